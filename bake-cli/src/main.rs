@@ -1,0 +1,3 @@
+//! The `bake` program: flags, progress, reports, exit codes; nothing numeric.
+
+fn main() {}

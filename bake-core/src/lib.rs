@@ -1,0 +1,11 @@
+//! The bake: from a checked scene to light on texels and probes.
+//!
+//! Data flows one way: [`scene`] (everything invalid is refused there) → [`atlas`] (texels and their surface points)
+//! → [`solve`] (light, through [`trace`]) → [`post`] (seams, dilation) → a package of `bake-formats`.
+//! The crate is silent: progress and warnings leave as values; it knows no command line, window or GPU.
+
+pub mod atlas;
+pub mod post;
+pub mod scene;
+pub mod solve;
+pub mod trace;

@@ -1,0 +1,3 @@
+//! Light on texels and probes.
+
+pub mod buffers;

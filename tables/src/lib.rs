@@ -1,0 +1,1 @@
+//! Impulse-response tables: compute, map, store, look up.
