@@ -1,0 +1,113 @@
+//! What can be asked of the program: the commands and the flags that all of them share.
+//!
+//! A flag has one place that holds its name, help, default and unit: here when every command takes it, otherwise in
+//! the `Args` of its command's file.
+
+use crate::commands::{self, later};
+use crate::exit::{self, Failure};
+use crate::progress::ProgressMode;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{ArgAction, Args, Parser, Subcommand};
+use std::process::ExitCode;
+
+const EXAMPLES: &str = "\
+Examples:
+  bake run room.glb                          bake to room.bake/ beside the scene
+  bake run room.glb --quality preview -o out/room
+  bake plan room.glb                         sizes, memory and time; traces nothing
+  bake init room.glb                         write room.bake.ron, every setting explained
+  bake diff out/a out/b                      compare two packages
+
+Exit codes: 0 done, 1 failed, 2 wrong usage or invalid input, 3 done but some texels could not be baked,
+130 interrupted.";
+
+/// Bakes the light of glTF scenes into lightmaps.
+#[derive(Debug, Parser)]
+#[command(name = "bake", version, about, after_help = EXAMPLES, max_term_width = 110, arg_required_else_help = true)]
+#[command(disable_help_subcommand = true, disable_help_flag = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Flags of every command.
+    #[command(flatten)]
+    pub global: Global,
+}
+
+/// Flags of every command.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Every command")]
+pub struct Global {
+    /// Print the result as JSON on standard output
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Threads to use [default: one per processor]; the result does not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// How to show progress on standard error
+    #[arg(long, global = true, value_name = "HOW", default_value = "auto")]
+    pub progress: ProgressMode,
+    /// Say more
+    #[arg(short, long, global = true, conflicts_with = "quiet")]
+    pub verbose: bool,
+    /// Say nothing but errors and the result
+    #[arg(short, long, global = true)]
+    pub quiet: bool,
+    /// Print this help; after a command, the command's
+    #[arg(short, long, global = true, action = ArgAction::HelpShort)]
+    help: Option<bool>,
+}
+
+/// The commands. A variant's `Args` and `run` live in the file of its name under `commands`.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Bake a scene: plan, trace, write a package
+    Run(Box<commands::run::Args>),
+    /// Say what would be baked, and its sizes, memory and time; trace nothing
+    Plan(Box<commands::plan::Args>),
+    /// Write a commented settings file for a scene
+    Init(commands::init::Args),
+}
+
+/// The command line did not lead to a command.
+pub enum Usage {
+    /// Help and version that were asked for, and faults that clap reports.
+    Clap(clap::Error),
+    /// A command of a later version.
+    Later(Failure),
+}
+
+/// Reads the process's command line.
+pub fn parse() -> Result<Cli, Usage> {
+    Cli::try_parse().map_err(|error| match later_command(&error) {
+        Some(name) => Usage::Later(later::refuse(&format!("the command `{name}`"))),
+        None => Usage::Clap(error),
+    })
+}
+
+/// The name of a command that is planned but not built, if that is what clap refused.
+fn later_command(error: &clap::Error) -> Option<String> {
+    match (error.kind(), error.get(ContextKind::InvalidSubcommand)) {
+        (ErrorKind::InvalidSubcommand, Some(ContextValue::String(name))) => {
+            later::COMMANDS.contains(&name.as_str()).then(|| name.clone())
+        }
+        _ => None,
+    }
+}
+
+impl Usage {
+    /// Prints it and gives the exit code: 0 for help and version that were asked for, else 2.
+    pub fn conclude(self) -> ExitCode {
+        match self {
+            Self::Later(failure) => exit::report(&failure),
+            Self::Clap(error) => {
+                // A closed standard output is no failure.
+                let _ = error.print();
+                match error.kind() {
+                    ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => ExitCode::SUCCESS,
+                    _ => ExitCode::from(exit::INVALID),
+                }
+            }
+        }
+    }
+}

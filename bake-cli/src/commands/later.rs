@@ -1,0 +1,12 @@
+//! What is planned and not built yet: refused by name, so that nobody hunts for a typing error.
+
+use crate::exit::Failure;
+
+/// Commands of later versions.
+pub const COMMANDS: &[&str] =
+    &["reference", "sample", "diff", "refog", "study", "tables", "view", "merge", "status", "explain", "report"];
+
+/// Refuses something that a later version will do.
+pub fn refuse(what: &str) -> Failure {
+    Failure::wrong(format!("{what} is not in this version"), "`bake --help` lists what is")
+}

@@ -1,0 +1,24 @@
+//! One file per command. Each has its flags as `Args` and does its work in
+//! `run(&Args, &Global) -> Result<Outcome, Failure>`; a new command adds its file, a variant of `cli::Command` and a
+//! line of `dispatch`.
+
+pub mod init;
+pub mod later;
+pub mod plan;
+pub mod run;
+
+use crate::cli::{Cli, Command};
+use crate::exit::{Failure, Outcome};
+
+/// Runs the command that was asked for.
+pub fn dispatch(cli: &Cli) -> Result<Outcome, Failure> {
+    if let Some(threads) = cli.global.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+        pool.build_global().map_err(Failure::failed)?;
+    }
+    match &cli.command {
+        Command::Run(args) => run::run(args, &cli.global),
+        Command::Plan(args) => plan::run(args, &cli.global),
+        Command::Init(args) => init::run(args, &cli.global),
+    }
+}
