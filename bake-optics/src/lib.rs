@@ -1,1 +1,12 @@
 //! Formulas of light in air: special functions, phase functions, media, air-light, harmonics. No I/O, threads or logging.
+//!
+//! Every formula is one generic source over [`Real`]: `f64` is the oracle, `f32` what bakes and shaders use.
+
+pub mod emitter;
+pub mod harmonics;
+pub mod legendre;
+pub mod phase;
+pub mod quadrature;
+pub mod real;
+
+pub use real::Real;

@@ -1,0 +1,134 @@
+//! How a lamp spreads its light around an axis: relative intensity as a function of the angle from the axis.
+//!
+//! `cos_axis` is the cosine between the lamp's axis (direction in which it shines) and the direction in which light leaves.
+//! Values are relative intensities: the lamp's intensity (W/sr or cd) multiplies them.
+
+use crate::legendre;
+use crate::real::Real;
+
+/// A distribution of light around an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Emitter<T> {
+    /// 1 in all directions.
+    Isotropic,
+    /// glTF cone (KHR_lights_punctual): 1 inside the inner cone, 0 outside the outer, a squared ramp in the cosine between.
+    SpotCone {
+        /// Cosine of the inner half angle.
+        cos_inner: T,
+        /// Cosine of the outer half angle, at most `cos_inner`.
+        cos_outer: T,
+    },
+    /// max(0, cos)^n: nothing behind the lamp.
+    CosinePower {
+        /// Exponent n ≥ 0, any real number.
+        exponent: T,
+    },
+    /// `Σ c_l P_l(cos)`, as it is: negative where the series is.
+    Legendre(Vec<T>),
+}
+
+impl<T: Real> Emitter<T> {
+    /// Relative intensity towards `cos_axis`, clamped to [−1, 1].
+    #[inline]
+    pub fn eval(&self, cos_axis: T) -> T {
+        let c = cos_axis.min(T::one()).max(-T::one());
+        match self {
+            Self::Isotropic => T::one(),
+            Self::SpotCone { cos_inner, cos_outer } => spot_cone(*cos_inner, *cos_outer, c),
+            Self::CosinePower { exponent } => cosine_power(*exponent, c),
+            Self::Legendre(coefficients) => legendre::series(coefficients, c),
+        }
+    }
+
+    /// Cosines, ascending, where the distribution or its derivative jumps: where quadrature must split.
+    pub fn kinks(&self) -> Vec<T> {
+        match self {
+            Self::SpotCone { cos_inner, cos_outer } if cos_inner > cos_outer => vec![*cos_outer, *cos_inner],
+            Self::SpotCone { cos_outer, .. } => vec![*cos_outer],
+            Self::CosinePower { .. } => vec![T::zero()],
+            Self::Isotropic | Self::Legendre(_) => Vec::new(),
+        }
+    }
+
+    /// Coefficients c_l of `Σ c_l P_l(cos)` for l < `bands`: the best approximation in mean square.
+    pub fn legendre(&self, bands: usize) -> Vec<T> {
+        let mut out = vec![T::zero(); bands];
+        match self {
+            Self::Isotropic => out.iter_mut().take(1).for_each(|c| *c = T::one()),
+            Self::Legendre(c) => out.iter_mut().zip(c).for_each(|(out, &c)| *out = c),
+            Self::CosinePower { exponent } => {
+                legendre::half_range_moments(*exponent, &mut out);
+                out.iter_mut().enumerate().for_each(|(l, c)| *c *= T::of(l as f64 + 0.5));
+            }
+            Self::SpotCone { .. } => {
+                let inside: Vec<T> = self.kinks().into_iter().filter(|k| k.abs() < T::one()).collect();
+                return legendre::project(bands, bands + 3, &inside, |c| self.eval(c));
+            }
+        }
+        out
+    }
+
+    /// Flux per unit intensity, sr: `2π ∫ I dcos`.
+    pub fn flux(&self) -> T {
+        self.legendre(1)[0] * T::of(4.0) * T::PI()
+    }
+}
+
+/// glTF spot cone: `clamp((c − cos_outer)/(cos_inner − cos_outer), 0, 1)²`; a step at `cos_outer` where both are equal.
+#[inline]
+pub fn spot_cone<T: Real>(cos_inner: T, cos_outer: T, cos_axis: T) -> T {
+    let width = cos_inner - cos_outer;
+    let ramp = if width > T::zero() {
+        ((cos_axis - cos_outer) / width).min(T::one()).max(T::zero())
+    } else if cos_axis >= cos_outer {
+        T::one()
+    } else {
+        T::zero()
+    };
+    ramp * ramp
+}
+
+/// `max(0, c)^n`; n = 0 is 1 in front and 0 behind.
+#[inline]
+pub fn cosine_power<T: Real>(exponent: T, cos_axis: T) -> T {
+    if cos_axis <= T::zero() { T::zero() } else { cos_axis.powf(exponent) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use testkit::compare::Worst;
+
+    fn all() -> Vec<(&'static str, Emitter<f64>)> {
+        vec![
+            ("isotropic", Emitter::Isotropic),
+            ("cone", Emitter::SpotCone { cos_inner: 0.95, cos_outer: 0.7 }),
+            ("step", Emitter::SpotCone { cos_inner: 0.7, cos_outer: 0.7 }),
+            ("wide", Emitter::SpotCone { cos_inner: 1.0, cos_outer: -0.5 }),
+            ("cosine", Emitter::CosinePower { exponent: 10.0 }),
+            ("ball", Emitter::Legendre([vec![1.0], vec![0.0; 9], vec![1.0]].concat())),
+        ]
+    }
+
+    #[test]
+    fn legendre_coefficients_agree_with_quadrature_split_at_the_kinks() {
+        let mut worst = Worst::new("emitter Legendre coefficients (absolute)", 1e-13);
+        for (name, emitter) in all() {
+            let kinks: Vec<f64> = emitter.kinks().into_iter().filter(|k| k.abs() < 1.0).collect();
+            let want = legendre::project(16, 64, &kinks, |c| emitter.eval(c));
+            for (l, (got, want)) in emitter.legendre(16).iter().zip(&want).enumerate() {
+                worst.record((got - want).abs(), || format!("{name} l {l}"));
+            }
+        }
+        worst.check();
+    }
+
+    #[test]
+    fn flux_of_known_lamps() {
+        let pi = std::f64::consts::PI;
+        // A step cone of half angle a sends 2π (1 − cos a); max(0, c)^n sends 2π/(n+1).
+        assert!((Emitter::SpotCone { cos_inner: 0.7, cos_outer: 0.7 }.flux() - 2.0 * pi * 0.3).abs() < 1e-14);
+        assert!((Emitter::CosinePower { exponent: 10.0 }.flux() - 2.0 * pi / 11.0).abs() < 1e-14);
+        assert!((Emitter::<f64>::Isotropic.flux() - 4.0 * pi).abs() < 1e-14);
+    }
+}
