@@ -8,5 +8,6 @@ pub mod legendre;
 pub mod phase;
 pub mod quadrature;
 pub mod real;
+pub mod special;
 
 pub use real::Real;
