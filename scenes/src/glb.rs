@@ -1,0 +1,353 @@
+//! Writes binary glTF: materials, meshes, punctual lights, cameras and nodes, in the order they are added.
+//!
+//! Bytes depend on the input alone: JSON keys are sorted, numbers are rounded (positions to [`GRID_M`], texture
+//! coordinates to [`GRID_UV`]), so that neither hash order nor the last bit of a platform's sine shows.
+
+use crate::lightmap;
+use crate::patch::Patch;
+use glam::{DQuat, DVec3};
+use serde_json::{Map, Value, json};
+
+/// Positions are multiples of this, metres; faces that meet have equal coordinates.
+pub const GRID_M: f64 = 1.0 / 65536.0;
+/// Texture coordinates are multiples of this.
+pub const GRID_UV: f64 = 1.0 / 1048576.0;
+
+/// A material of a [`Glb`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct MaterialId(u32);
+
+/// A mesh of a [`Glb`].
+#[derive(Debug, Clone, Copy)]
+pub struct MeshId(u32);
+
+/// A punctual light of a [`Glb`].
+#[derive(Debug, Clone, Copy)]
+pub struct LightId(u32);
+
+/// A node of a [`Glb`].
+#[derive(Debug, Clone, Copy)]
+pub struct NodeId(u32);
+
+/// A diffuse material.
+#[derive(Debug, Clone)]
+pub struct Material {
+    /// Linear Rec.709, 0..1.
+    pub albedo: [f64; 3],
+    /// Emitted radiance, cd/m².
+    pub emission: [f64; 3],
+    /// Whether the back reflects and emits as the front does.
+    pub double_sided: bool,
+}
+
+impl Material {
+    /// Reflects the given share of each channel from the front, black at the back.
+    pub fn diffuse(albedo: [f64; 3]) -> Self {
+        Self { albedo, emission: [0.0; 3], double_sided: false }
+    }
+
+    /// Emits the given radiance (cd/m²) and reflects nothing.
+    pub fn emitter(emission: [f64; 3]) -> Self {
+        Self { albedo: [0.0; 3], emission, double_sided: false }
+    }
+}
+
+/// A punctual light; all emit along the node's −Z where they have a direction.
+#[derive(Debug, Clone, Copy)]
+pub enum Light {
+    /// Intensity, cd.
+    Point([f64; 3]),
+    /// Intensity (cd) on the axis; half angles in radians.
+    Spot {
+        /// Intensity on the axis, cd.
+        intensity: [f64; 3],
+        /// Full intensity up to this angle.
+        inner: f64,
+        /// None beyond this angle.
+        outer: f64,
+    },
+    /// Illuminance across the beam, lux.
+    Directional([f64; 3]),
+}
+
+/// Where a node is relative to its parent.
+#[derive(Debug, Clone, Copy)]
+pub struct Place {
+    /// Metres.
+    pub translation: DVec3,
+    /// Unit quaternion.
+    pub rotation: DQuat,
+    /// Factor per axis; negative mirrors.
+    pub scale: DVec3,
+}
+
+impl Place {
+    /// Where the parent is.
+    pub const ORIGIN: Self = Self { translation: DVec3::ZERO, rotation: DQuat::IDENTITY, scale: DVec3::ONE };
+
+    /// Moved only.
+    pub fn at(x: f64, y: f64, z: f64) -> Self {
+        Self { translation: DVec3::new(x, y, z), ..Self::ORIGIN }
+    }
+
+    /// Turned about +Y, counter-clockwise seen from above.
+    pub fn turned_deg(mut self, degrees: f64) -> Self {
+        self.rotation = DQuat::from_rotation_y(degrees.to_radians());
+        self
+    }
+
+    /// With −Z, the way lights and cameras look, pointing at a target.
+    pub fn looking_at(mut self, target: DVec3) -> Self {
+        let z = (self.translation - target).normalize();
+        let up = if z.y.abs() > 0.999 { DVec3::Z } else { DVec3::Y };
+        let x = up.cross(z).normalize();
+        self.rotation = DQuat::from_mat3(&glam::DMat3::from_cols(x, z.cross(x), z));
+        self
+    }
+}
+
+/// What a node carries.
+#[derive(Debug, Clone, Copy)]
+pub enum Content {
+    /// Only its children.
+    Group,
+    /// A mesh.
+    Mesh(MeshId),
+    /// A punctual light.
+    Light(LightId),
+    /// A perspective camera with this vertical field of view, degrees.
+    Camera(f64),
+}
+
+/// A binary glTF file under construction.
+#[derive(Debug, Default)]
+pub struct Glb {
+    json: Map<String, Value>,
+    binary: Vec<u8>,
+    roots: Vec<u32>,
+}
+
+impl Glb {
+    /// An empty file.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a material.
+    pub fn material(&mut self, name: &str, material: Material) -> MaterialId {
+        let [r, g, b] = material.albedo;
+        let mut value = json!({
+            "name": name,
+            "doubleSided": material.double_sided,
+            "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0 },
+        });
+        let strength = material.emission.into_iter().fold(0.0, f64::max);
+        if strength > 0.0 {
+            value["emissiveFactor"] = json!(material.emission.map(|e| e / strength));
+            if strength != 1.0 {
+                let extension = "KHR_materials_emissive_strength";
+                value["extensions"] = json!({ extension: { "emissiveStrength": strength } });
+                self.use_extension(extension);
+            }
+        }
+        MaterialId(self.push("materials", value))
+    }
+
+    /// Adds a mesh without lightmap coordinates.
+    pub fn mesh(&mut self, name: &str, patches: &[Patch]) -> MeshId {
+        self.add_mesh(name, patches, None)
+    }
+
+    /// Adds a mesh with lightmap coordinates: each patch a chart, as TEXCOORD_1.
+    pub fn lightmapped_mesh(&mut self, name: &str, patches: &[Patch]) -> MeshId {
+        self.add_mesh(name, patches, Some(&lightmap::layout(patches)))
+    }
+
+    /// Adds a punctual light; the direction of a spot or directional light is its node's −Z.
+    pub fn light(&mut self, name: &str, light: Light) -> LightId {
+        let (kind, color) = match light {
+            Light::Point(color) => ("point", color),
+            Light::Spot { intensity, .. } => ("spot", intensity),
+            Light::Directional(color) => ("directional", color),
+        };
+        let strength = color.into_iter().fold(0.0, f64::max);
+        let mut value =
+            json!({ "name": name, "type": kind, "intensity": strength, "color": color.map(|c| c / strength) });
+        if let Light::Spot { inner, outer, .. } = light {
+            value["spot"] = json!({ "innerConeAngle": inner, "outerConeAngle": outer });
+        }
+        let extension = "KHR_lights_punctual";
+        self.use_extension(extension);
+        let extensions = self.json.entry("extensions").or_insert_with(|| json!({ extension: { "lights": [] } }));
+        let lights = extensions[extension]["lights"].as_array_mut().expect("made above");
+        lights.push(value);
+        LightId(lights.len() as u32 - 1)
+    }
+
+    /// Adds a node to the scene's root, or below a parent.
+    pub fn node(&mut self, parent: Option<NodeId>, name: &str, place: Place, content: Content) -> NodeId {
+        let mut value = json!({ "name": name });
+        if place.translation != DVec3::ZERO {
+            value["translation"] = json!(place.translation.to_array());
+        }
+        if place.rotation != DQuat::IDENTITY {
+            value["rotation"] = json!(place.rotation.to_array().map(|q| round(q, 1e-9)));
+        }
+        if place.scale != DVec3::ONE {
+            value["scale"] = json!(place.scale.to_array());
+        }
+        match content {
+            Content::Group => {}
+            Content::Mesh(mesh) => value["mesh"] = json!(mesh.0),
+            Content::Light(light) => value["extensions"] = json!({ "KHR_lights_punctual": { "light": light.0 } }),
+            Content::Camera(degrees) => {
+                let lens = json!({ "yfov": round(degrees.to_radians(), 1e-6), "znear": 0.05 });
+                value["camera"] = json!(self.push("cameras", json!({ "type": "perspective", "perspective": lens })));
+            }
+        }
+        let index = self.push("nodes", value);
+        match parent {
+            None => self.roots.push(index),
+            Some(NodeId(parent)) => append(&mut self.json["nodes"][parent as usize]["children"], json!(index)),
+        }
+        NodeId(index)
+    }
+
+    /// The finished file.
+    pub fn finish(mut self) -> Vec<u8> {
+        self.json.insert("asset".into(), json!({ "version": "2.0", "generator": "scenes" }));
+        self.json.insert("scene".into(), json!(0));
+        self.json.insert("scenes".into(), json!([{ "nodes": self.roots }]));
+        self.json.insert("buffers".into(), json!([{ "byteLength": self.binary.len() }]));
+        let mut value = Value::Object(self.json);
+        value.sort_all_objects();
+        let mut text = value.to_string().into_bytes();
+        text.resize(text.len().next_multiple_of(4), b' ');
+        let total = 12 + 8 + text.len() + 8 + self.binary.len();
+        let mut file = Vec::with_capacity(total);
+        let words = |file: &mut Vec<u8>, words: [&[u8]; 2]| words.iter().for_each(|word| file.extend_from_slice(word));
+        words(&mut file, [b"glTF", &2u32.to_le_bytes()]);
+        file.extend_from_slice(&(total as u32).to_le_bytes());
+        words(&mut file, [&(text.len() as u32).to_le_bytes(), b"JSON"]);
+        file.extend_from_slice(&text);
+        words(&mut file, [&(self.binary.len() as u32).to_le_bytes(), b"BIN\0"]);
+        file.extend_from_slice(&self.binary);
+        file
+    }
+
+    fn add_mesh(&mut self, name: &str, patches: &[Patch], layout: Option<&lightmap::Layout>) -> MeshId {
+        let mut materials: Vec<MaterialId> = Vec::new();
+        for (_, material) in patches.iter().flat_map(|patch| &patch.triangles) {
+            if !materials.contains(material) {
+                materials.push(*material);
+            }
+        }
+        let primitives: Vec<Value> =
+            materials.iter().map(|&material| self.primitive(patches, layout, material)).collect();
+        MeshId(self.push("meshes", json!({ "name": name, "primitives": primitives })))
+    }
+
+    /// The triangles of one material, with the vertices they use.
+    fn primitive(&mut self, patches: &[Patch], layout: Option<&lightmap::Layout>, material: MaterialId) -> Value {
+        let mut arrays = Arrays::default();
+        for (index, patch) in patches.iter().enumerate() {
+            arrays.append(patch, material, layout.map(|layout| (layout.scale, layout.offsets[index])));
+        }
+        let mut attributes = json!({
+            "POSITION": self.accessor(&arrays.positions, "VEC3", true),
+            "NORMAL": self.accessor(&arrays.normals, "VEC3", false),
+        });
+        if layout.is_some() {
+            attributes["TEXCOORD_0"] = json!(self.accessor(&arrays.texcoords[0], "VEC2", false));
+            attributes["TEXCOORD_1"] = json!(self.accessor(&arrays.texcoords[1], "VEC2", false));
+        }
+        json!({ "attributes": attributes, "indices": self.indices(&arrays.indices), "material": material.0 })
+    }
+
+    fn accessor<const N: usize>(&mut self, values: &[[f32; N]], kind: &str, bounds: bool) -> u32
+    where
+        [f32; N]: bytemuck::Pod,
+    {
+        let view = self.view(bytemuck::cast_slice(values), 34962);
+        let mut value = json!({ "bufferView": view, "componentType": 5126, "count": values.len(), "type": kind });
+        if bounds {
+            let fold = |f: fn(f32, f32) -> f32| {
+                values.iter().copied().reduce(|a, b| std::array::from_fn(|i| f(a[i], b[i]))).expect("not empty")
+            };
+            value["min"] = json!(fold(f32::min).as_slice());
+            value["max"] = json!(fold(f32::max).as_slice());
+        }
+        self.push("accessors", value)
+    }
+
+    fn indices(&mut self, indices: &[u16]) -> u32 {
+        let view = self.view(bytemuck::cast_slice(indices), 34963);
+        let count = indices.len();
+        self.push("accessors", json!({ "bufferView": view, "componentType": 5123, "count": count, "type": "SCALAR" }))
+    }
+
+    fn view(&mut self, bytes: &[u8], target: u32) -> u32 {
+        let offset = self.binary.len();
+        self.binary.extend_from_slice(bytes);
+        self.binary.resize(self.binary.len().next_multiple_of(4), 0);
+        let view = json!({ "buffer": 0, "byteOffset": offset, "byteLength": bytes.len(), "target": target });
+        self.push("bufferViews", view)
+    }
+
+    fn push(&mut self, list: &str, value: Value) -> u32 {
+        let list = self.json.entry(list).or_insert_with(|| json!([]));
+        append(list, value);
+        list.as_array().map_or(0, Vec::len) as u32 - 1
+    }
+
+    fn use_extension(&mut self, name: &str) {
+        let used = self.json.entry("extensionsUsed").or_insert_with(|| json!([]));
+        if !used.as_array().is_some_and(|used| used.iter().any(|extension| extension == name)) {
+            append(used, json!(name));
+        }
+    }
+}
+
+/// Vertex arrays of one primitive.
+#[derive(Default)]
+struct Arrays {
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    texcoords: [Vec<[f32; 2]>; 2],
+    indices: Vec<u16>,
+}
+
+impl Arrays {
+    /// Adds a patch's triangles of one material; `chart` is the scale and offset of its lightmap chart.
+    fn append(&mut self, patch: &Patch, material: MaterialId, chart: Option<(f64, glam::DVec2)>) {
+        let mut new_index = vec![None; patch.vertices.len()];
+        let of_material = patch.triangles.iter().filter(|(_, m)| *m == material);
+        for &old in of_material.flat_map(|(corners, _)| corners) {
+            let index = *new_index[old as usize].get_or_insert_with(|| {
+                let vertex = &patch.vertices[old as usize];
+                self.positions.push(vertex.position.to_array().map(|x| round(x, GRID_M) as f32));
+                self.normals.push(vertex.normal.to_array().map(|x| round(x, GRID_UV) as f32));
+                if let Some((scale, offset)) = chart {
+                    self.texcoords[0].push(vertex.chart.to_array().map(|x| round(x, GRID_UV) as f32));
+                    let place = vertex.chart * scale + offset;
+                    self.texcoords[1].push(place.to_array().map(|x| round(x, GRID_UV) as f32));
+                }
+                u16::try_from(self.positions.len() - 1).expect("a primitive has at most 65536 vertices")
+            });
+            self.indices.push(index);
+        }
+    }
+}
+
+/// The nearest multiple of `grid`; never −0.
+fn round(x: f64, grid: f64) -> f64 {
+    (x / grid).round() * grid + 0.0
+}
+
+/// Appends to a JSON array, which null becomes.
+fn append(list: &mut Value, value: Value) {
+    match list {
+        Value::Array(list) => list.push(value),
+        _ => *list = json!([value]),
+    }
+}
