@@ -7,5 +7,6 @@
 pub mod atlas;
 pub mod post;
 pub mod scene;
+pub mod settings;
 pub mod solve;
 pub mod trace;

@@ -1,0 +1,141 @@
+//! The air: records of participating media, in a settings file or in the glTF scene's `extras.bake_media`.
+
+use super::Rgb;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// A region of air with one composition.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Medium {
+    /// For reports.
+    #[serde(default)]
+    pub name: String,
+    /// Where it is.
+    #[serde(default)]
+    pub bounds: Bounds,
+    /// How its density varies there; a factor on the coefficients of `scatter`.
+    #[serde(default)]
+    pub density: Density,
+    /// Its coefficients at density 1.
+    pub scatter: Scatter,
+    /// How it turns light.
+    #[serde(default)]
+    pub phase: Phase,
+}
+
+/// The region of a medium.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub enum Bounds {
+    /// The scene's bounding box.
+    #[default]
+    Scene,
+    /// Everywhere; only for densities whose optical depth to infinity is finite.
+    Unbounded,
+    /// An axis-aligned box, metres.
+    Box {
+        /// Smallest corner.
+        min: [f32; 3],
+        /// Largest corner.
+        max: [f32; 3],
+    },
+    /// A ball, metres.
+    Sphere {
+        /// Its centre.
+        centre: [f32; 3],
+        /// Its radius.
+        radius: f32,
+    },
+    /// The bounding box of a node's meshes, which then are no surfaces.
+    Node(String),
+}
+
+/// Relative density over the region.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub enum Density {
+    /// 1 everywhere.
+    #[default]
+    Uniform,
+    /// `slope_per_m · (height − zero_m)`, never below zero.
+    Linear {
+        /// Height of density 0, metres.
+        zero_m: f32,
+        /// Growth per metre of height.
+        slope_per_m: f32,
+    },
+    /// `exp(−(height − base_m) / scale_height_m)`.
+    Exponential {
+        /// Height of density 1, metres.
+        base_m: f32,
+        /// Height over which density falls to 1/e, metres.
+        scale_height_m: f32,
+    },
+    /// The same about a ball: height is the distance to its surface.
+    Planet {
+        /// Its centre, metres.
+        centre: [f32; 3],
+        /// Its radius, metres.
+        radius_m: f32,
+        /// Height over which density falls to 1/e, metres.
+        scale_height_m: f32,
+    },
+    /// A voxel grid.
+    Grid {
+        /// An OpenVDB file.
+        file: PathBuf,
+        /// Name of the grid in it.
+        name: String,
+    },
+}
+
+/// Coefficients at density 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Scatter {
+    /// Scattering `sigma_s` and absorption `sigma_a`, 1/m.
+    Sigma {
+        /// Scattering.
+        s: Rgb,
+        /// Absorption.
+        a: Rgb,
+    },
+    /// By look: mean free path and single-scattering albedo.
+    Look {
+        /// Mean free path 1/`sigma_t`, metres.
+        mean_free_path_m: f32,
+        /// `sigma_s / sigma_t`.
+        albedo: Rgb,
+    },
+}
+
+/// Phase function over the cosine between propagation directions.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub enum Phase {
+    /// 1/4π.
+    #[default]
+    Isotropic,
+    /// Small particles.
+    Rayleigh,
+    /// With mean cosine g.
+    HenyeyGreenstein(f32),
+    /// (1 + a₁ cos θ)/4π.
+    Linear(f32),
+    /// Legendre coefficients, the first being 1.
+    Legendre(Vec<f32>),
+    /// A file of angles and values.
+    Table(PathBuf),
+}
+
+impl Medium {
+    /// The files that it names.
+    pub(super) fn files_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
+        let grid = match &mut self.density {
+            Density::Grid { file, .. } => Some(file),
+            _ => None,
+        };
+        let table = match &mut self.phase {
+            Phase::Table(file) => Some(file),
+            _ => None,
+        };
+        grid.into_iter().chain(table)
+    }
+}

@@ -1,0 +1,278 @@
+//! What the user may decide about a bake: the record `Bake(...)` of a `.bake.ron` file.
+//!
+//! A file states only what differs from the default; flags of the command line are laid over it afterwards and
+//! [`Settings::check`] judges the result. Keys with a unit carry it in their name, all others are named with their
+//! unit below. What a key means to the scene, the atlas or the solver is theirs to say.
+
+mod check;
+mod error;
+mod file;
+mod media;
+mod template;
+
+pub use error::{SettingsError, Syntax};
+pub use file::{from_json, read, sidecar};
+pub use media::{Bounds, Density, Medium, Phase, Scatter};
+pub use template::TEMPLATE;
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Linear Rec.709 triple, or one value per channel.
+pub type Rgb = [f32; 3];
+
+/// Everything that can be set.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "Bake", default, deny_unknown_fields)]
+pub struct Settings {
+    /// Preset of accuracy.
+    pub quality: Quality,
+    /// Standard error to reach, as a share of the page's median; overrides the preset's.
+    pub target_error: Option<f32>,
+    /// Samples per texel, exactly; overrides any target.
+    pub samples: Option<u32>,
+    /// Reflections followed; unlimited under Russian roulette when absent, 0 is direct light only.
+    pub bounces: Option<u32>,
+    /// Seed of all random numbers.
+    pub seed: u32,
+    /// Seconds after which sampling ends, whatever the error; such bakes do not repeat bit for bit.
+    pub time_budget: Option<f64>,
+
+    /// Lightmap texels per metre of surface.
+    pub texels_per_m: f32,
+    /// Width and height of a page, texels.
+    pub page_size: u32,
+    /// At most so many pages; the density is scaled down until all fits.
+    pub max_pages: Option<u32>,
+    /// Texels between charts.
+    pub padding: u32,
+
+    /// The glTF scene to bake, by name or number; the file's default when absent.
+    pub scene: Option<String>,
+    /// Radiance from every direction that meets nothing, cd/m².
+    pub sky: Option<Rgb>,
+    /// A sun.
+    pub sun: Option<Sun>,
+    /// An environment image.
+    pub env: Option<Env>,
+    /// Unit of the file's light intensities.
+    pub light_units: LightUnits,
+    /// Smallest radius of point and spot lights, metres.
+    pub light_radius_m: f32,
+    /// IES profile files by the name or path of the light's node.
+    pub ies: BTreeMap<String, PathBuf>,
+    /// Unlit materials emit their base colour, cd/m².
+    pub unlit_emits: bool,
+
+    /// The air; what stands in the glTF file when absent.
+    pub media: Option<Vec<Medium>>,
+    /// A grid of probes.
+    pub probes: Option<Probes>,
+
+    /// Also write l ≤ 1 spherical harmonics of incident radiance.
+    pub sh1: bool,
+    /// Write 16-bit floats.
+    pub half: bool,
+    /// Also write what the solver returned before seams were stitched and gaps filled.
+    pub keep_raw: bool,
+
+    /// What differs for single nodes, by name or path.
+    pub nodes: BTreeMap<String, Node>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            quality: Quality::Medium,
+            target_error: None,
+            samples: None,
+            bounces: None,
+            seed: 0,
+            time_budget: None,
+            texels_per_m: 16.0,
+            page_size: 1024,
+            max_pages: None,
+            padding: 2,
+            scene: None,
+            sky: None,
+            sun: None,
+            env: None,
+            light_units: LightUnits::Gltf,
+            light_radius_m: 0.001,
+            ies: BTreeMap::new(),
+            unlit_emits: false,
+            media: None,
+            probes: None,
+            sh1: false,
+            half: false,
+            keep_raw: false,
+            nodes: BTreeMap::new(),
+        }
+    }
+}
+
+impl Settings {
+    /// The standard error to reach, as a share of the page's median.
+    pub fn relative_error(&self) -> f32 {
+        self.target_error.unwrap_or_else(|| self.quality.relative_error())
+    }
+
+    /// What was set for a node, or else for the nearest of its parents. A whole path decides before a name alone.
+    pub fn node(&self, path: &str) -> Option<&Node> {
+        let mut path = path;
+        loop {
+            let (parent, name) = path.rsplit_once('/').unwrap_or(("", path));
+            if let Some(node) = self.nodes.get(path).or_else(|| self.nodes.get(name)) {
+                return Some(node);
+            }
+            if parent.is_empty() {
+                return None;
+            }
+            path = parent;
+        }
+    }
+
+    /// Makes file names relative to `folder` instead of the settings file.
+    fn resolve_files(&mut self, folder: &Path) {
+        let media = self.media.iter_mut().flatten().flat_map(Medium::files_mut);
+        let files = self.env.iter_mut().map(|env| &mut env.file).chain(self.ies.values_mut()).chain(media);
+        for file in files {
+            *file = folder.join(&*file);
+        }
+    }
+}
+
+/// Presets of accuracy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Quality {
+    /// 10 % standard error.
+    Preview,
+    /// 4 % standard error.
+    #[default]
+    Medium,
+    /// 2 % standard error.
+    High,
+    /// 1 % standard error.
+    Final,
+}
+
+impl Quality {
+    /// All, from coarse to fine, by the name of their flag value.
+    pub const ALL: [(&str, Self); 4] =
+        [("preview", Self::Preview), ("medium", Self::Medium), ("high", Self::High), ("final", Self::Final)];
+
+    /// The standard error to reach, as a share of the page's median irradiance.
+    pub fn relative_error(self) -> f32 {
+        match self {
+            Self::Preview => 0.10,
+            Self::Medium => 0.04,
+            Self::High => 0.02,
+            Self::Final => 0.01,
+        }
+    }
+}
+
+/// A sun: parallel light but for its disk.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sun {
+    /// Direction to the sun, degrees from −Z towards +X.
+    pub azimuth_deg: f32,
+    /// Height above the horizon, degrees.
+    pub elevation_deg: f32,
+    /// Illuminance on a surface that faces it, lux.
+    pub lux: f32,
+    /// Colour, multiplied with `lux`.
+    #[serde(default = "white")]
+    pub colour: Rgb,
+    /// Diameter of the disk, degrees.
+    #[serde(default = "solar_diameter")]
+    pub angular_diameter_deg: f32,
+}
+
+fn white() -> Rgb {
+    [1.0; 3]
+}
+
+/// The Sun's mean apparent diameter seen from Earth, degrees.
+fn solar_diameter() -> f32 {
+    0.53
+}
+
+/// An environment image in equirectangular layout, +Y at the top.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Env {
+    /// A Radiance .hdr or OpenEXR .exr file.
+    pub file: PathBuf,
+    /// Turn about +Y, degrees.
+    #[serde(default)]
+    pub rotation_deg: f32,
+    /// cd/m² of the value 1.
+    #[serde(default = "one")]
+    pub scale: f32,
+}
+
+fn one() -> f32 {
+    1.0
+}
+
+/// What the numbers of a file's punctual lights mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum LightUnits {
+    /// As glTF says: candela, and lux for directional lights.
+    #[default]
+    Gltf,
+    /// Lumens of the whole light (candela = lumens / 4π); lux for directional lights.
+    Lumens,
+    /// Radiant watts, and W/m² for directional lights, at 683 lm/W.
+    Watts,
+}
+
+impl LightUnits {
+    /// All, by the name of their flag value.
+    pub const ALL: [(&str, Self); 3] = [("gltf", Self::Gltf), ("lumens", Self::Lumens), ("watts", Self::Watts)];
+}
+
+/// A regular grid of probes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Probes {
+    /// Distance between probes, metres.
+    pub spacing_m: f32,
+}
+
+/// What differs for one node and its children.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Node {
+    /// Lightmap texels per metre of its surface.
+    pub texels_per_m: Option<f32>,
+    /// Whether it takes a lightmap; without one it still blocks and reflects light.
+    pub lightmap: Option<bool>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_nodes_path_decides_before_its_name() {
+        let node = |density| Node { texels_per_m: Some(density), lightmap: None };
+        let nodes = BTreeMap::from([("Bolt".to_owned(), node(1.0)), ("Roof/Bolt".to_owned(), node(2.0))]);
+        let settings = Settings { nodes, ..Settings::default() };
+        assert_eq!(settings.node("Wall/Bolt"), Some(&node(1.0)));
+        assert_eq!(settings.node("Roof/Bolt"), Some(&node(2.0)));
+        assert_eq!(settings.node("Bolt/Head"), Some(&node(1.0)));
+        assert_eq!(settings.node("Roof/Bolt/Head/Slot"), Some(&node(2.0)));
+        assert_eq!(settings.node("Roof/Nut"), None);
+    }
+
+    #[test]
+    fn a_target_overrides_the_preset() {
+        let preset = Settings { quality: Quality::High, ..Settings::default() };
+        assert_eq!(preset.relative_error(), 0.02);
+        assert_eq!(Settings { target_error: Some(0.3), ..preset }.relative_error(), 0.3);
+    }
+}
