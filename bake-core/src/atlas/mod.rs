@@ -3,6 +3,24 @@
 //! *Chart*: connected triangles laid out without overlap. *Page*: one image of packed charts. Texel (x, y) has its
 //! centre at ((x + 0.5)/width, (y + 0.5)/height), row 0 at the top, as glTF's UV convention has it.
 
+//!
+//! The way: `flatten` (own TEXCOORD_1 when `own` finds it valid, else `unwrap`) → `layout` (charts on whole texels at a
+//! density) → `pack` (rectangles on pages) → `raster` (exact clipping of triangles against texels) → [`build`].
+
+mod build;
+mod density;
+mod flatten;
+mod layout;
+mod own;
+mod pack;
+mod points;
+mod raster;
+mod settings;
+mod unwrap;
+
+pub use build::build;
+pub use settings::{AtlasError, AtlasSettings, AtlasWarning, OwnUvProblem};
+
 use glam::Vec2;
 
 /// The layout of all lightmapped instances.
@@ -17,6 +35,7 @@ pub struct Atlas {
 }
 
 /// Lightmap coordinates of one mesh. Unwrapping may split vertices; triangles keep the order of the mesh.
+/// Instances share a layout when they cover the same texels: a mesh placed at several sizes has several layouts.
 #[derive(Debug, Clone, Default)]
 pub struct Layout {
     /// Index of the mesh.
