@@ -2,6 +2,7 @@
 //!
 //! Every formula is one generic source over [`Real`]: `f64` is the oracle, `f32` what bakes and shaders use.
 
+pub mod axial_table;
 pub mod emitter;
 pub mod harmonics;
 pub mod legendre;

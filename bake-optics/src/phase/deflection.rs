@@ -43,6 +43,12 @@ impl<T: Real> Deflection<T> {
         Self { cos_theta: c2 - s2, one_minus_cos: two * s2, one_plus_cos: two * c2 }
     }
 
+    /// The angle θ, radians; accurate at both ends, where acos is not.
+    #[inline]
+    pub fn angle(&self) -> T {
+        T::of(2.0) * self.one_minus_cos.sqrt().atan2(self.one_plus_cos.sqrt())
+    }
+
     /// From two unit directions of propagation: |a − b|²/2 = 1 − μ and |a + b|²/2 = 1 + μ lose nothing near ±1.
     #[inline]
     pub fn between(a: [T; 3], b: [T; 3]) -> Self {

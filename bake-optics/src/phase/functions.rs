@@ -31,12 +31,15 @@ pub fn henyey_greenstein<T: Real>(g: T, cos_theta: T) -> T {
 /// `1 + g² − 2gμ = (1 − |g|)² + 2|g| (1 ∓ μ)`, upper sign for g ≥ 0.
 ///
 /// *Accuracy*: 8 ulp for every −1 < g < 1 and every deflection; the textbook denominator loses 2 log10(1/(1−|g|)) digits near the peak.
-/// Zero for |g| = 1 away from the peak (the limit is a delta).
+/// |g| = 1 is a delta: 0 away from the peak, +∞ on it.
 #[inline]
 pub fn henyey_greenstein_deflected<T: Real>(g: T, deflection: Deflection<T>) -> T {
     let a = g.abs();
     let from_peak = if g >= T::zero() { deflection.one_minus_cos } else { deflection.one_plus_cos };
     let gap = T::one() - a;
     let denominator = gap * gap + T::of(2.0) * a * from_peak;
+    if denominator <= T::zero() {
+        return T::infinity();
+    }
     gap * (T::one() + a) / (denominator * denominator.sqrt()) * isotropic::<T>()
 }
