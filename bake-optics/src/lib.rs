@@ -6,6 +6,7 @@ pub mod axial_table;
 pub mod emitter;
 pub mod harmonics;
 pub mod legendre;
+pub mod medium;
 pub mod phase;
 pub mod quadrature;
 pub mod real;

@@ -18,9 +18,10 @@ use crate::legendre;
 use crate::real::Real;
 
 /// A phase function.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub enum Phase<T> {
     /// The same in all directions: 1/(4π).
+    #[default]
     Isotropic,
     /// (1 + a1 μ)/(4π), −1 ≤ a1 ≤ 1; mean cosine a1/3 (Eddington).
     Linear {
