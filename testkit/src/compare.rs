@@ -52,7 +52,7 @@ impl Worst {
 
     /// Prints measured, allowed and margin; panics when nothing was compared or the limit is broken.
     pub fn check(&self) {
-        let margin = self.allowed / self.measured.max(f64::MIN_POSITIVE);
+        let margin = self.allowed / self.measured.max(self.allowed * 1e-9).max(f64::MIN_POSITIVE);
         println!(
             "{}: measured {:.3e}, allowed {:.3e}, margin {:.1}x, {} comparisons, worst at {}",
             self.what, self.measured, self.allowed, margin, self.count, self.place

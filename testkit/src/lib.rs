@@ -2,5 +2,6 @@
 //! measured, allowed and margin, and small statistics. Depends on no crate of the project.
 
 pub mod compare;
+pub mod oracle;
 pub mod reference;
 pub mod statistics;

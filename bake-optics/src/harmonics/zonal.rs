@@ -73,10 +73,26 @@ pub fn phong<T: Real>(exponent: T, bands: usize) -> Vec<T> {
 }
 
 /// Irradiance on a surface whose normal makes the angle η with the axis of an incident zonal radiance: `Σ A_l z_l y_l(cos η)`.
+///
+/// *Cost*: no allocation; the A_l are produced by their recurrence along the way.
 pub fn irradiance<T: Real>(zonal: &[T], cos_eta: T) -> T {
-    let cosine = clamped_cosine::<T>(zonal.len());
-    let terms = zonal.iter().zip(&cosine).enumerate().map(|(l, (&z, &a))| a * z * zonal_norm::<T>(l));
-    weighted_legendre_sum(cos_eta, terms)
+    let mut half_range = [T::of(0.5), T::of(1.0 / 3.0)];
+    let terms = zonal.iter().enumerate().map(|(l, &z)| {
+        if l >= 2 {
+            half_range[l % 2] *= T::of((3.0 - l as f64) / (2.0 + l as f64));
+        }
+        half_range[l % 2] * z * zonal_norm::<T>(l)
+    });
+    weighted_legendre_sum(cos_eta, terms) * T::TAU()
+}
+
+/// Convolution of a function's SH coefficients with a zonal kernel about each direction: band l times `sqrt(4π/(2l+1)) k_l` (Driscoll & Healy 1994).
+/// Bands that the kernel lacks become 0.
+pub fn zonal_convolve<T: Real>(coefficients: &mut [T], kernel: &[T]) {
+    for l in 0..coefficients.len().isqrt() {
+        let factor = kernel.get(l).map_or(T::zero(), |&k| k / zonal_norm::<T>(l));
+        coefficients[l * l..(l + 1) * (l + 1)].iter_mut().for_each(|c| *c *= factor);
+    }
 }
 
 /// `Σ w_l P_l(x)` by the forward recurrence, weights produced on the fly.
@@ -160,5 +176,50 @@ mod tests {
         let by_quadrature = project(1, 64, |w| zonal_eval(&zonal, dot(w, axis)) * dot(w, [0.0, 0.0, 1.0]).max(0.0))[0];
         let e = irradiance(&zonal, axis[2]);
         assert!((by_quadrature * (4.0 * std::f64::consts::PI).sqrt() - e).abs() < 1e-3 * e, "{by_quadrature} {e}");
+    }
+
+    #[test]
+    fn convolving_with_the_clamped_cosine_gives_irradiance() {
+        let (zonal, axis) = ((0..16).map(|l| (0.8f64).powi(l)).collect::<Vec<_>>(), unit(0.1, -0.4, 0.9));
+        let mut kernel = clamped_cosine::<f64>(16);
+        kernel.iter_mut().enumerate().for_each(|(l, a)| *a *= zonal_norm::<f64>(l));
+        let mut sh = zonal_to_sh(&zonal, axis);
+        zonal_convolve(&mut sh, &kernel);
+        let mut worst = Worst::new("irradiance two ways (absolute)", 1e-13);
+        for normal in [unit(0.0, 0.0, 1.0), unit(1.0, 2.0, 3.0), unit(-1.0, 0.2, -0.6)] {
+            let got = super::super::sh_sum(&sh, normal);
+            worst.record((got - irradiance(&zonal, dot(normal, axis))).abs(), || format!("{normal:?}"));
+        }
+        worst.check();
+    }
+
+    #[test]
+    fn phong_lobes_are_normalised_and_agree_with_quadrature() {
+        let rule = crate::quadrature::GaussLegendre::<f64>::cached(96);
+        let mut worst = Worst::new("Phong coefficients (absolute)", 1e-13);
+        for n in [0.0, 1.0, 10.0, 20.0, 64.0] {
+            let lobe = phong(n, 16);
+            assert_eq!(lobe[0], 1.0);
+            for (l, &got) in lobe.iter().enumerate() {
+                let want = rule.integrate(0.0, 1.0, |c| (n + 1.0) * c.powf(n) * legendre(l, c));
+                worst.record((got - want).abs(), || format!("n {n} l {l}"));
+            }
+        }
+        worst.check();
+    }
+
+    #[test]
+    fn single_precision_double_products_stay_within_their_limit() {
+        let mut worst = Worst::new("double product f32, 16 bands (of the sum of |g h|)", 5e-7);
+        for i in 0..=400 {
+            let c = (i as f32 * 0.005 - 1.0).min(1.0);
+            let (g, h): (Vec<f32>, Vec<f32>) =
+                (0..16).map(|l| ((l as f32 + i as f32).sin(), (l as f32 * 1.7).cos())).unzip();
+            let wide = |v: &[f32]| v.iter().map(|&x| f64::from(x)).collect::<Vec<_>>();
+            let scale: f32 = g.iter().zip(&h).map(|(g, h)| (g * h).abs()).sum();
+            let want = zonal_dot(&wide(&g), &wide(&h), f64::from(c));
+            worst.record((f64::from(zonal_dot(&g, &h, c)) - want).abs() / f64::from(scale), || format!("c {c}"));
+        }
+        worst.check();
     }
 }
