@@ -4,8 +4,7 @@
 //! floor, whose texels below them no light reaches.
 
 use crate::SceneFiles;
-use crate::glb::{Content, Glb, Material, MaterialId, Place};
-use crate::patch::{Patch, cuboid};
+use crate::build::{Content, Glb, Material, MaterialId, Patch, Place, cuboid};
 use glam::{DVec2, DVec3};
 
 /// Half the room's width and depth, metres.

@@ -7,10 +7,20 @@
 
 use std::path::{Path, PathBuf};
 
+pub mod analytic;
+pub mod build;
 pub mod cornell;
-pub mod glb;
-pub mod lightmap;
-pub mod patch;
+pub mod furnace;
+pub mod instances;
+pub mod lit_room;
+pub mod occluders;
+pub mod plane_point;
+pub mod plane_rect;
+pub mod plane_sky;
+pub mod plane_sun;
+pub mod sealed_room;
+pub mod spheres;
+pub mod thin_wall;
 
 /// The files of one scene.
 pub struct SceneFiles {
@@ -33,7 +43,20 @@ impl SceneFiles {
 
 /// Every scene, freshly built.
 pub fn all() -> Vec<SceneFiles> {
-    vec![cornell::scene()]
+    vec![
+        cornell::scene(),
+        furnace::scene(),
+        instances::scene(),
+        lit_room::scene(),
+        occluders::scene(),
+        plane_point::scene(),
+        plane_rect::scene(),
+        plane_sky::scene(),
+        plane_sun::scene(),
+        sealed_room::scene(),
+        spheres::scene(),
+        thin_wall::scene(),
+    ]
 }
 
 /// The folder of the committed files.

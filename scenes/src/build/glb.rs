@@ -3,19 +3,18 @@
 //! Bytes depend on the input alone: JSON keys are sorted, numbers are rounded (positions to [`GRID_M`], texture
 //! coordinates to [`GRID_UV`]), so that neither hash order nor the last bit of a platform's sine shows.
 
-use crate::lightmap;
-use crate::patch::Patch;
-use glam::{DQuat, DVec3};
+use super::lightmap;
+use super::material::{Material, MaterialId, TextureId};
+use super::patch::{Patch, Vertex};
+use super::png::Pixels;
+use glam::{DQuat, DVec2, DVec3};
 use serde_json::{Map, Value, json};
+use std::collections::HashMap;
 
 /// Positions are multiples of this, metres; faces that meet have equal coordinates.
 pub const GRID_M: f64 = 1.0 / 65536.0;
 /// Texture coordinates are multiples of this.
 pub const GRID_UV: f64 = 1.0 / 1048576.0;
-
-/// A material of a [`Glb`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct MaterialId(u32);
 
 /// A mesh of a [`Glb`].
 #[derive(Debug, Clone, Copy)]
@@ -28,29 +27,6 @@ pub struct LightId(u32);
 /// A node of a [`Glb`].
 #[derive(Debug, Clone, Copy)]
 pub struct NodeId(u32);
-
-/// A diffuse material.
-#[derive(Debug, Clone)]
-pub struct Material {
-    /// Linear Rec.709, 0..1.
-    pub albedo: [f64; 3],
-    /// Emitted radiance, cd/m².
-    pub emission: [f64; 3],
-    /// Whether the back reflects and emits as the front does.
-    pub double_sided: bool,
-}
-
-impl Material {
-    /// Reflects the given share of each channel from the front, black at the back.
-    pub fn diffuse(albedo: [f64; 3]) -> Self {
-        Self { albedo, emission: [0.0; 3], double_sided: false }
-    }
-
-    /// Emits the given radiance (cd/m²) and reflects nothing.
-    pub fn emitter(emission: [f64; 3]) -> Self {
-        Self { albedo: [0.0; 3], emission, double_sided: false }
-    }
-}
 
 /// A punctual light; all emit along the node's −Z where they have a direction.
 #[derive(Debug, Clone, Copy)]
@@ -88,6 +64,11 @@ impl Place {
     /// Moved only.
     pub fn at(x: f64, y: f64, z: f64) -> Self {
         Self { translation: DVec3::new(x, y, z), ..Self::ORIGIN }
+    }
+
+    /// With a factor per axis.
+    pub fn scaled(self, x: f64, y: f64, z: f64) -> Self {
+        Self { scale: DVec3::new(x, y, z), ..self }
     }
 
     /// Turned about +Y, counter-clockwise seen from above.
@@ -135,22 +116,18 @@ impl Glb {
 
     /// Adds a material.
     pub fn material(&mut self, name: &str, material: Material) -> MaterialId {
-        let [r, g, b] = material.albedo;
-        let mut value = json!({
-            "name": name,
-            "doubleSided": material.double_sided,
-            "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0 },
-        });
-        let strength = material.emission.into_iter().fold(0.0, f64::max);
-        if strength > 0.0 {
-            value["emissiveFactor"] = json!(material.emission.map(|e| e / strength));
-            if strength != 1.0 {
-                let extension = "KHR_materials_emissive_strength";
-                value["extensions"] = json!({ extension: { "emissiveStrength": strength } });
-                self.use_extension(extension);
-            }
-        }
+        let (value, extensions) = material.json(name);
+        extensions.into_iter().for_each(|extension| self.use_extension(extension));
         MaterialId(self.push("materials", value))
+    }
+
+    /// Adds a texture that repeats and shows each texel as a square.
+    pub fn texture(&mut self, name: &str, pixels: &Pixels) -> TextureId {
+        let view = self.view(&pixels.png(), None);
+        let image = self.push("images", json!({ "name": name, "bufferView": view, "mimeType": "image/png" }));
+        let nearest = 9728;
+        let sampler = self.push("samplers", json!({ "magFilter": nearest, "minFilter": nearest }));
+        TextureId(self.push("textures", json!({ "name": name, "sampler": sampler, "source": image })))
     }
 
     /// Adds a mesh without lightmap coordinates.
@@ -268,7 +245,7 @@ impl Glb {
     where
         [f32; N]: bytemuck::Pod,
     {
-        let view = self.view(bytemuck::cast_slice(values), 34962);
+        let view = self.view(bytemuck::cast_slice(values), Some(34962));
         let mut value = json!({ "bufferView": view, "componentType": 5126, "count": values.len(), "type": kind });
         if bounds {
             let fold = |f: fn(f32, f32) -> f32| {
@@ -281,16 +258,19 @@ impl Glb {
     }
 
     fn indices(&mut self, indices: &[u16]) -> u32 {
-        let view = self.view(bytemuck::cast_slice(indices), 34963);
+        let view = self.view(bytemuck::cast_slice(indices), Some(34963));
         let count = indices.len();
         self.push("accessors", json!({ "bufferView": view, "componentType": 5123, "count": count, "type": "SCALAR" }))
     }
 
-    fn view(&mut self, bytes: &[u8], target: u32) -> u32 {
+    fn view(&mut self, bytes: &[u8], target: Option<u32>) -> u32 {
         let offset = self.binary.len();
         self.binary.extend_from_slice(bytes);
         self.binary.resize(self.binary.len().next_multiple_of(4), 0);
-        let view = json!({ "buffer": 0, "byteOffset": offset, "byteLength": bytes.len(), "target": target });
+        let mut view = json!({ "buffer": 0, "byteOffset": offset, "byteLength": bytes.len() });
+        if let Some(target) = target {
+            view["target"] = json!(target);
+        }
         self.push("bufferViews", view)
     }
 
@@ -308,34 +288,41 @@ impl Glb {
     }
 }
 
-/// Vertex arrays of one primitive.
+/// Vertex arrays of one primitive; equal vertices are stored once.
 #[derive(Default)]
 struct Arrays {
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     texcoords: [Vec<[f32; 2]>; 2],
     indices: Vec<u16>,
+    known: HashMap<[[u32; 3]; 3], u16>,
 }
 
 impl Arrays {
     /// Adds a patch's triangles of one material; `chart` is the scale and offset of its lightmap chart.
-    fn append(&mut self, patch: &Patch, material: MaterialId, chart: Option<(f64, glam::DVec2)>) {
-        let mut new_index = vec![None; patch.vertices.len()];
+    fn append(&mut self, patch: &Patch, material: MaterialId, chart: Option<(f64, DVec2)>) {
         let of_material = patch.triangles.iter().filter(|(_, m)| *m == material);
-        for &old in of_material.flat_map(|(corners, _)| corners) {
-            let index = *new_index[old as usize].get_or_insert_with(|| {
-                let vertex = &patch.vertices[old as usize];
-                self.positions.push(vertex.position.to_array().map(|x| round(x, GRID_M) as f32));
-                self.normals.push(vertex.normal.to_array().map(|x| round(x, GRID_UV) as f32));
-                if let Some((scale, offset)) = chart {
-                    self.texcoords[0].push(vertex.chart.to_array().map(|x| round(x, GRID_UV) as f32));
-                    let place = vertex.chart * scale + offset;
-                    self.texcoords[1].push(place.to_array().map(|x| round(x, GRID_UV) as f32));
-                }
-                u16::try_from(self.positions.len() - 1).expect("a primitive has at most 65536 vertices")
-            });
+        for &corner in of_material.flat_map(|(corners, _)| corners) {
+            let index = self.index(&patch.vertices[corner as usize], chart);
             self.indices.push(index);
         }
+    }
+
+    fn index(&mut self, vertex: &Vertex, chart: Option<(f64, DVec2)>) -> u16 {
+        let position = vertex.position.to_array().map(|x| round(x, GRID_M) as f32);
+        let normal = vertex.normal.to_array().map(|x| round(x, GRID_UV) as f32);
+        let flat = |uv: DVec2| uv.to_array().map(|x| round(x, GRID_UV) as f32);
+        let [u, v] = chart.map_or([0.0; 2], |(scale, offset)| flat(vertex.chart * scale + offset));
+        let key = [position, normal, [u, v, 0.0]].map(|row| row.map(f32::to_bits));
+        let next = u16::try_from(self.positions.len()).expect("a primitive has at most 65536 vertices");
+        let index = *self.known.entry(key).or_insert(next);
+        if index == next {
+            self.positions.push(position);
+            self.normals.push(normal);
+            self.texcoords[0].push(flat(vertex.chart));
+            self.texcoords[1].push([u, v]);
+        }
+        index
     }
 }
 

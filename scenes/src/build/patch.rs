@@ -3,7 +3,7 @@
 //! A patch is a piece of surface that unrolls onto a plane without overlap: it becomes one lightmap chart. Its chart
 //! coordinates are lengths on the surface in metres, so that all charts of a mesh have the same texel density.
 
-use crate::glb::MaterialId;
+use super::material::MaterialId;
 use glam::{DAffine3, DVec2, DVec3};
 
 /// A corner shared by triangles of one patch.
@@ -33,6 +33,12 @@ impl Patch {
         let mut patch = Self::default();
         patch.add_quad(corner, u, v, DVec2::ZERO, material);
         patch
+    }
+
+    /// A square on the ground about the origin, facing up.
+    pub fn floor(width: f64, material: MaterialId) -> Self {
+        let corner = DVec3::new(-width / 2.0, 0.0, width / 2.0);
+        Self::quad(corner, DVec3::X * width, -DVec3::Z * width, material)
     }
 
     /// The rectangle `corner + s·u + t·v` without its part s in [a.x, b.x], t in [a.y, b.y], in one chart.
@@ -88,6 +94,11 @@ impl Patch {
         let fold = |f: fn(DVec2, DVec2) -> DVec2| self.vertices.iter().map(|v| v.chart).reduce(f);
         (fold(DVec2::min).unwrap_or_default(), fold(DVec2::max).unwrap_or_default())
     }
+}
+
+/// The six faces of the box between two corners, facing inward: a room.
+pub fn room(min: DVec3, max: DVec3, material: MaterialId) -> [Patch; 6] {
+    cuboid(min, max, material).map(Patch::flipped)
 }
 
 /// The six faces of the box between two corners, facing outward, in the order −x, +x, −y, +y, −z, +z.

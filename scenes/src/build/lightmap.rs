@@ -1,6 +1,6 @@
 //! Lightmap coordinates of a mesh: its patches' charts laid out in the unit square without overlap.
 
-use crate::patch::Patch;
+use super::patch::Patch;
 use glam::DVec2;
 
 /// Room around each chart as a share of the square: 2 texels where the mesh gets 64.
