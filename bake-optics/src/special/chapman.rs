@@ -93,9 +93,14 @@ fn chapman_integrand<T: Real>(z: T, c: T, p: T) -> T {
     (z + z * gain) * (-(z * gain)).exp()
 }
 
-/// The p at which `z (2 sinh²(p/2) + c sinh p) = cut`, as ln(1 + u) without cancellation for large z.
+/// The p at which `z (2 sinh²(p/2) + c sinh p) = cut`, as ln(1 + u) without cancellation for large z or overflow for small.
 fn hyperbolic_reach<T: Real>(z: T, c: T, cut: T) -> T {
-    let k = cut / z;
-    let x = k * (T::of(2.0) + k);
-    ((k + x / ((x + c * c).sqrt() + c)) / (T::one() + c)).ln_1p()
+    let (k, two) = (cut / z, T::of(2.0));
+    let rest = if k > T::one() {
+        (two + k) / ((T::one() + two / k + (c / k) * (c / k)).sqrt() + c / k)
+    } else {
+        let x = k * (two + k);
+        x / ((x + c * c).sqrt() + c)
+    };
+    ((k + rest) / (T::one() + c)).ln_1p()
 }
