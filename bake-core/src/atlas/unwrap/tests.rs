@@ -1,0 +1,219 @@
+//! Awkward meshes: every one is flattened, without overlap, in bounded pieces.
+
+use super::super::layout::Islands;
+use super::super::raster;
+use super::*;
+use std::f32::consts::TAU;
+
+type Soup = (Vec<Vec3>, Vec<[u32; 3]>);
+
+/// A grid of (n + 1) × (m + 1) vertices, `place` giving each its position.
+fn grid(n: u32, m: u32, place: impl Fn(f32, f32) -> Vec3) -> Soup {
+    let at = |i: u32, j: u32| i * (m + 1) + j;
+    let positions = (0..=n)
+        .flat_map(|i| (0..=m).map(move |j| (i, j)))
+        .map(|(i, j)| place(i as f32 / n as f32, j as f32 / m as f32));
+    let quads = (0..n).flat_map(|i| (0..m).map(move |j| (i, j)));
+    let triangles = quads
+        .flat_map(|(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]);
+    (positions.collect(), triangles.collect())
+}
+
+fn sphere(n: u32) -> Soup {
+    grid(n, 2 * n, |u, v| {
+        let (polar, turn) = (u * TAU / 2.0, (v % 1.0) * TAU);
+        Vec3::new(polar.sin() * turn.cos(), polar.cos(), polar.sin() * turn.sin())
+    })
+}
+
+fn moebius(n: u32) -> Soup {
+    grid(n, 4, |u, v| {
+        let (turn, across) = (u * TAU, v - 0.5);
+        let (half, r) = (turn / 2.0, 1.0);
+        let out = r + across * half.cos();
+        Vec3::new(out * turn.cos(), across * half.sin(), out * turn.sin())
+    })
+}
+
+/// A floor of rounded cobbles.
+fn cobbles(n: u32) -> Soup {
+    grid(n, n, |u, v| {
+        let bump = |t: f32| (1.0 - ((t * 40.0).fract() * 2.0 - 1.0).powi(2)).max(0.0).sqrt();
+        Vec3::new(20.0 * u, 0.1 * bump(u) * bump(v), 20.0 * v)
+    })
+}
+
+fn soup(n: u32) -> Soup {
+    let at = |i, k| Vec3::from_array([0u32, 1, 2].map(|d| sobol_burley::sample(i, 3 * k + d, 5)));
+    let positions = (0..n).flat_map(|i| [0u32, 1, 2].map(|k| at(i, 0) * 10.0 + at(i, k + 1))).collect();
+    (positions, (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+}
+
+/// Noise that turns steeply from triangle to triangle.
+fn spiky(n: u32) -> Soup {
+    let size = n as f32;
+    grid(n, n, |u, v| Vec3::new(u, 0.3 * sobol_burley::sample((u * size * size + v * size) as u32, 0, 3), v))
+}
+
+/// Pages that meet in one edge: not a manifold.
+fn book(pages: u32) -> Soup {
+    let mut positions = vec![Vec3::ZERO, Vec3::Z];
+    let mut triangles = Vec::new();
+    for i in 0..pages {
+        let (sin, cos) = (i as f32 / pages as f32 * TAU).sin_cos();
+        positions.extend([Vec3::new(cos, sin, 0.0), Vec3::new(cos, sin, 1.0)]);
+        triangles.extend([[0, 2 + 2 * i, 3 + 2 * i], [0, 3 + 2 * i, 1]]);
+    }
+    (positions, triangles)
+}
+
+/// A ramp that winds over itself: faces one way everywhere, so that a projection covers itself.
+fn helix(n: u32, turns: f32) -> Soup {
+    grid(n, 2, |u, v| {
+        let (sin, cos) = (u * turns * TAU).sin_cos();
+        Vec3::new((1.0 + v) * cos, u * turns, (1.0 + v) * sin)
+    })
+}
+
+/// A fan of triangles a hundred thousand times longer than wide.
+fn needles(n: u32) -> Soup {
+    let positions = (0..=n).flat_map(|i| [Vec3::new(1e-4 * i as f32, 0.0, 0.0), Vec3::new(1e-4 * i as f32, 0.0, 10.0)]);
+    let triangles = (0..n).flat_map(|i| [[2 * i, 2 * i + 1, 2 * i + 2], [2 * i + 2, 2 * i + 1, 2 * i + 3]]);
+    (positions.collect(), triangles.collect())
+}
+
+fn long() -> bool {
+    std::env::var("BAKE_LONG").as_deref() == Ok("1")
+}
+
+fn flattened(soup: &Soup) -> FlatMesh {
+    let (flat, report) = unwrap(&soup.0, &soup.1, None);
+    assert_eq!(report, UnwrapReport::default());
+    assert_eq!(flat.triangles.len(), soup.1.len());
+    for (own, flat_triangle) in soup.1.iter().zip(&flat.triangles) {
+        assert_eq!(flat_triangle.map(|v| flat.source_vertex[v as usize]), *own);
+    }
+    assert!(flat.chart.iter().all(|c| *c < flat.charts));
+    flat
+}
+
+/// Total flat area over total surface area, and the share of surface whose own ratio is off by more than 2.
+fn areas(soup: &Soup, flat: &FlatMesh) -> (f64, f64) {
+    let (mut solid, mut plane, mut off) = (0.0, 0.0, 0.0);
+    for (own, triangle) in soup.1.iter().zip(&flat.triangles) {
+        let area = surface_area(own.map(|v| soup.0[v as usize]));
+        let [a, b, c] = triangle.map(|v| flat.position[v as usize].as_dvec2());
+        let flat_area = 0.5 * (b - a).perp_dot(c - a).abs();
+        solid += area;
+        plane += flat_area;
+        if flat_area < 0.5 * area || flat_area > 2.0 * area {
+            off += area;
+        }
+    }
+    (plane / solid, off / solid)
+}
+
+/// Texels covered, and of these shared by charts or covered more than once, at a density that gives about 200².
+fn overlapped(soup: &Soup, flat: &FlatMesh) -> (u32, u32) {
+    let area: f64 = soup.1.iter().map(|t| surface_area(t.map(|v| soup.0[v as usize]))).sum();
+    let density = 200.0 / area.sqrt();
+    let islands = Islands::of(flat);
+    let (density, arrangement) = islands.arrange_at_most(density, 1, 1024).expect("fits");
+    let layout = islands.layout(flat, 0, density, &arrangement);
+    let fragments = raster::fragments(&layout, arrangement.size);
+    let (mut covered, mut bad) = (0, 0);
+    for group in fragments.chunk_by(|a, b| a.texel == b.texel) {
+        let chart = |f: &raster::Fragment| layout.chart[f.triangle as usize];
+        let sum: f32 = group.iter().map(|f| f.area).sum();
+        covered += 1;
+        bad += u32::from(sum > 1.02 || group.iter().any(|f| chart(f) != chart(&group[0])));
+    }
+    (covered, bad)
+}
+
+fn check_texels(name: &str, soup: &Soup, flat: &FlatMesh) {
+    let (covered, bad) = overlapped(soup, flat);
+    println!("{name}: {} triangles, {} charts, {covered} texels, {bad} overlapped", soup.1.len(), flat.charts);
+    assert!(covered > 1000, "{name}");
+    assert_eq!(bad, 0, "{name}: texels of several charts, or covered more than once");
+}
+
+/// Negative control: the helix projected as one chart covers itself, and is seen to.
+#[test]
+fn an_overlap_is_seen() {
+    let soup = helix(200, 5.0);
+    let layered = projection::project(&soup.0, &soup.1);
+    assert!(layered.charts >= 5);
+    let chart = vec![0; soup.1.len()];
+    let (covered, bad) = overlapped(&soup, &FlatMesh { chart, charts: 1, ..layered });
+    assert!(bad > covered / 2, "{bad} of {covered}");
+}
+
+#[test]
+fn awkward_meshes_unwrap_without_overlap_and_keep_their_area() {
+    let mut cases = vec![
+        ("sphere", sphere(24), 1e-3),
+        ("moebius", moebius(100), 1e-3),
+        ("book", book(7), 1e-3),
+        ("soup", soup(500), 1e-3),
+        ("spiky", spiky(40), 1e-3),
+        ("helix", helix(200, 5.0), 1e-3),
+        ("cobbles", cobbles(if long() { 224 } else { 72 }), 1e-3),
+        ("needles", needles(200), 1e-3),
+    ];
+    if long() {
+        cases.push(("large soup", soup(50_000), 1e-3));
+    }
+    for (name, soup, distorted) in cases {
+        let flat = flattened(&soup);
+        let (ratio, off) = areas(&soup, &flat);
+        assert!((ratio - 1.0).abs() < 0.01 && off <= distorted, "{name}: area ratio {ratio}, {off} distorted");
+        check_texels(name, &soup, &flat);
+    }
+}
+
+#[test]
+fn out_of_time_everything_is_projected_without_overlap() {
+    let cases = [
+        ("sphere", sphere(24)),
+        ("moebius", moebius(100)),
+        ("soup", soup(300)),
+        ("helix", helix(200, 5.0)),
+        ("book", book(7)),
+    ];
+    for (name, soup) in cases {
+        let (flat, report) = unwrap(&soup.0, &soup.1, Some(Instant::now()));
+        assert_eq!(report, UnwrapReport { projected: soup.1.len() as u32, timed_out: true });
+        let (ratio, _) = areas(&soup, &flat);
+        assert!((1.0 / 3f64.sqrt()..=1.001).contains(&ratio), "{name}: area ratio {ratio}");
+        check_texels(name, &soup, &flat);
+    }
+}
+
+#[test]
+fn a_box_has_a_chart_for_each_face() {
+    let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
+    assert_eq!(flattened(&((0..8).map(corner).collect(), triangles)).charts, 6);
+}
+
+#[test]
+fn meshes_without_area_are_flattened_too() {
+    let point = (vec![Vec3::ONE; 3], vec![[0, 1, 2]]);
+    let (flat, report) = unwrap(&point.0, &point.1, None);
+    assert_eq!((flat.charts, report.projected), (1, 1));
+    // One real triangle beside one without area.
+    let mixed = (vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::splat(5.0)], vec![[0, 1, 2], [3, 3, 3]]);
+    assert_eq!(flattened(&mixed).charts, 2);
+}
+
+#[test]
+fn clusters_are_bounded_and_hold_every_triangle_once() {
+    let soup = cobbles(60);
+    let clusters = clusters::split(&soup.0, &soup.1, 500);
+    assert!(clusters.iter().all(|c| !c.is_empty() && c.len() <= 500));
+    let mut all: Vec<u32> = clusters.concat();
+    all.sort_unstable();
+    assert!(all.into_iter().eq(0..soup.1.len() as u32));
+}
