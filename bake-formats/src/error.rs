@@ -100,6 +100,11 @@ impl FormatError {
 
     /// A field whose value cannot be used.
     pub fn invalid(path: &Path, field: impl Into<String>, value: impl ToString, expected: impl Into<String>) -> Self {
-        Self::Invalid { path: path.to_owned(), field: field.into(), value: value.to_string(), expected: expected.into() }
+        Self::Invalid {
+            path: path.to_owned(),
+            field: field.into(),
+            value: value.to_string(),
+            expected: expected.into(),
+        }
     }
 }

@@ -160,11 +160,7 @@ impl FloatImage {
         let layer = Layer::new(
             (self.width as usize, self.height as usize),
             attributes,
-            Encoding {
-                compression: Compression::ZIP16,
-                blocks: Blocks::ScanLines,
-                line_order: LineOrder::Increasing,
-            },
+            Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing },
             AnyChannels::sort(self.channels.iter().map(|channel| encode(channel, format, &groups)).collect()),
         );
         let mut image = Image::from_layer(layer);
@@ -299,7 +295,12 @@ fn read_metadata(path: &Path, metadata: &MetaData) -> Result<Vec<ChannelGroup>> 
     let header = &metadata.headers[0];
     let Some(AttributeValue::Text(text)) = header.own_attributes.other.get(&Text::from("bake")) else {
         let expected = "the text that `bake` writes".into();
-        return Err(FormatError::Foreign { path: path.into(), field: "attribute bake", value: "absent".into(), expected });
+        return Err(FormatError::Foreign {
+            path: path.into(),
+            field: "attribute bake",
+            value: "absent".into(),
+            expected,
+        });
     };
     let fields: serde_json::Value = serde_json::from_str(&text.to_string())
         .map_err(|error| FormatError::damaged("EXR", path, format!("attribute bake: {error}")))?;

@@ -327,7 +327,11 @@ impl Manifest {
         if let Some(probes) = &self.probes
             && (self.file(&probes.file).is_none() || probes.count.contains(&0))
         {
-            return invalid("probes".into(), format!("{} {:?}", probes.file, probes.count), "a listed file of 1+ probes");
+            return invalid(
+                "probes".into(),
+                format!("{} {:?}", probes.file, probes.count),
+                "a listed file of 1+ probes",
+            );
         }
         Ok(())
     }

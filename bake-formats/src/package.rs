@@ -89,8 +89,7 @@ impl PackageWriter {
     pub fn add_bytes(&mut self, suffix: &str, bytes: &[u8]) -> Result<String> {
         let file = self.file_name(suffix);
         let path = self.folder.join(&file);
-        let staged =
-            stage(&self.folder, &path, |out| out.write_all(bytes).map_err(FormatError::io("write", &path)))?;
+        let staged = stage(&self.folder, &path, |out| out.write_all(bytes).map_err(FormatError::io("write", &path)))?;
         self.push(staged, file, None)
     }
 
