@@ -18,6 +18,7 @@ Examples:
   bake init room.glb                         write room.bake.ron, every setting explained
   bake diff out/a out/b                      compare two packages
 
+A bar shows progress on a terminal; `--progress json` writes lines for machines, `--progress none` nothing.
 Exit codes: 0 done, 1 failed, 2 wrong usage or invalid input, 3 done but some texels could not be baked,
 130 interrupted.";
 
@@ -36,7 +37,6 @@ pub struct Cli {
 
 /// Flags of every command.
 #[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Every command")]
 pub struct Global {
     /// Print the result as JSON on standard output
     #[arg(long, global = true)]
@@ -45,7 +45,7 @@ pub struct Global {
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// How to show progress on standard error
-    #[arg(long, global = true, value_name = "HOW", default_value = "auto")]
+    #[arg(long, global = true, value_name = "HOW", default_value = "auto", hide = true)]
     pub progress: ProgressMode,
     /// Say more
     #[arg(short, long, global = true, conflicts_with = "quiet")]
@@ -79,18 +79,21 @@ pub enum Usage {
 
 /// Reads the process's command line.
 pub fn parse() -> Result<Cli, Usage> {
-    Cli::try_parse().map_err(|error| match later_command(&error) {
-        Some(name) => Usage::Later(later::refuse(&format!("the command `{name}`"))),
+    Cli::try_parse().map_err(|error| match later_name(&error) {
+        Some(name) => Usage::Later(later::refuse(&format!("`{name}`"))),
         None => Usage::Clap(error),
     })
 }
 
-/// The name of a command that is planned but not built, if that is what clap refused.
-fn later_command(error: &clap::Error) -> Option<String> {
-    match (error.kind(), error.get(ContextKind::InvalidSubcommand)) {
-        (ErrorKind::InvalidSubcommand, Some(ContextValue::String(name))) => {
-            later::COMMANDS.contains(&name.as_str()).then(|| name.clone())
-        }
+/// The command or flag that is planned but not built, if that is what clap refused.
+fn later_name(error: &clap::Error) -> Option<String> {
+    let (context, names) = match error.kind() {
+        ErrorKind::InvalidSubcommand => (ContextKind::InvalidSubcommand, later::COMMANDS),
+        ErrorKind::UnknownArgument => (ContextKind::InvalidArg, later::FLAGS),
+        _ => return None,
+    };
+    match error.get(context) {
+        Some(ContextValue::String(name)) => names.contains(&name.as_str()).then(|| name.clone()),
         _ => None,
     }
 }
@@ -109,5 +112,16 @@ impl Usage {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn no_two_flags_collide() {
+        Cli::command().debug_assert();
     }
 }

@@ -1,9 +1,12 @@
 //! How a command ends, as an exit code; the only place that prints errors.
 
 use crate::cli::Global;
-use miette::{Diagnostic, Report};
+use bake_core::settings::{SettingsError, Syntax};
+use miette::{Diagnostic, LabeledSpan, NamedSource, Report, SourceCode};
 use std::error::Error;
 use std::fmt;
+use std::io;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Something went wrong that the input is not to blame for.
@@ -51,6 +54,17 @@ impl Failure {
         Self::Invalid(Message { text: text.into(), help: Some(help.into()), cause: None }.into())
     }
 
+    /// A file or folder that cannot be written.
+    pub fn unwritable(path: &Path, error: std::io::Error) -> Self {
+        let text = format!("cannot write {}: {error}", path.display());
+        let help = match error.kind() {
+            io::ErrorKind::PermissionDenied => "choose another place with `-o`, or check the folder's permissions",
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "make room, or choose another disk with `-o`",
+            _ => "choose another place with `-o`",
+        };
+        Self::Failed(Message { text, help: Some(help.into()), cause: None }.into())
+    }
+
     /// Its exit code.
     pub fn code(&self) -> u8 {
         match self {
@@ -96,6 +110,55 @@ impl Error for Message {
 impl Diagnostic for Message {
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
         self.help.as_ref().map(|help| Box::new(help) as _)
+    }
+}
+
+impl From<SettingsError> for Failure {
+    fn from(error: SettingsError) -> Self {
+        match error {
+            SettingsError::Syntax(fault) => Self::Invalid(Excerpt::new(*fault).into()),
+            SettingsError::Unreadable { file, source } => Self::wrong(
+                format!("cannot read the settings file {}: {source}", file.display()),
+                "check the path; `bake init SCENE` writes a file to start from",
+            ),
+            other => Self::invalid(other),
+        }
+    }
+}
+
+/// A fault in a text file, shown with the lines around it.
+#[derive(Debug)]
+struct Excerpt {
+    fault: Syntax,
+    source: NamedSource<String>,
+}
+
+impl Excerpt {
+    fn new(fault: Syntax) -> Self {
+        Self { source: NamedSource::new(fault.file.to_string_lossy(), fault.text.clone()), fault }
+    }
+}
+
+impl fmt::Display for Excerpt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Syntax { file, line, column, message, .. } = &self.fault;
+        write!(f, "{}:{line}:{column}: {message}", file.display())
+    }
+}
+
+impl Error for Excerpt {}
+
+impl Diagnostic for Excerpt {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.fault.hint.as_ref().map(|hint| Box::new(hint) as _)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        Some(&self.source)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(None, self.fault.span.clone()))))
     }
 }
 

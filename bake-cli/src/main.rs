@@ -8,9 +8,12 @@
 mod cli;
 mod commands;
 mod exit;
+mod flags;
+mod input;
 mod interrupt;
 mod progress;
 mod report;
+mod values;
 
 use std::process::ExitCode;
 

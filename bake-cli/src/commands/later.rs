@@ -6,6 +6,9 @@ use crate::exit::Failure;
 pub const COMMANDS: &[&str] =
     &["reference", "sample", "diff", "refog", "study", "tables", "view", "merge", "status", "explain", "report"];
 
+/// Flags of later versions.
+pub const FLAGS: &[&str] = &["--keep-paths", "--keep-vacuum", "--shard", "--resume", "--watch"];
+
 /// Refuses something that a later version will do.
 pub fn refuse(what: &str) -> Failure {
     Failure::wrong(format!("{what} is not in this version"), "`bake --help` lists what is")

@@ -3,16 +3,24 @@
 use super::later;
 use crate::cli::Global;
 use crate::exit::{Failure, Outcome};
-use std::path::PathBuf;
+use crate::flags::RARE;
+use crate::input::{HELP_TEMPLATE, Input};
+
+const EXAMPLES: &str = "\
+Example:
+  bake plan room.glb --quality final --page-size 2048";
 
 /// Flags of `bake plan`.
 #[derive(Debug, clap::Args)]
+#[command(allow_negative_numbers = true, help_template = HELP_TEMPLATE, after_help = format!("{EXAMPLES}\n\n{RARE}"))]
 pub struct Args {
-    /// The scene: a .glb or .gltf file
-    pub scene: PathBuf,
+    /// What to work on.
+    #[command(flatten)]
+    pub input: Input,
 }
 
 /// Plans.
-pub fn run(_args: &Args, _global: &Global) -> Result<Outcome, Failure> {
+pub fn run(args: &Args, _global: &Global) -> Result<Outcome, Failure> {
+    let _settings = args.input.settings()?;
     Err(later::refuse("the command `plan`"))
 }

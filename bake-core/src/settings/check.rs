@@ -1,6 +1,6 @@
 //! Whether values make sense: each is named with its allowed range where it does not.
 
-use super::{Bounds, Density, Medium, Phase, Scatter, Settings, SettingsError};
+use super::{Bounds, Density, Medium, Phase, Scatter, Settings, SettingsError, Unlit};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
@@ -58,6 +58,10 @@ impl Settings {
             range("env.rotation_deg", env.rotation_deg, -360.0..=360.0)?;
             range("env.scale", env.scale, 0.0..=1e9)?;
         }
+        if let Unlit::Emit(radiance) = self.unlit {
+            range("unlit", radiance, 0.0..=1e9)?;
+        }
+        range("light_scale", self.light_scale, 0.0..=1e9)?;
         range("light_radius_m", self.light_radius_m, 1e-6..=10.0)
     }
 }
@@ -181,6 +185,7 @@ mod tests {
             ("Bake(sky: (1, -1, 1))", "`sky` is -1"),
             ("Bake(sky: (1, 1, 1), env: Env(file: \"a.hdr\"))", "one of the two"),
             ("Bake(sun: Sun(azimuth_deg: 0, elevation_deg: 91, lux: 1))", "`sun.elevation_deg` is 91"),
+            ("Bake(unlit: Emit(-1))", "`unlit` is -1"),
             ("Bake(nodes: {\"A\": Node(texels_per_m: 0)})", "`nodes.A.texels_per_m` is 0"),
             ("Bake(media: [Medium(scatter: Look(mean_free_path_m: 2, albedo: (1, 1, 2)))])", "media[0].scatter.albedo"),
             ("Bake(media: [Medium(scatter: Sigma(s: (1, 1, 1), a: (0, 0, 0)), phase: HenyeyGreenstein(1))])", "phase"),

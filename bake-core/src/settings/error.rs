@@ -93,7 +93,7 @@ fn explain(error: &RonError) -> (String, Option<String>) {
 }
 
 /// "did you mean" the nearest name where one is near, otherwise all of them.
-pub(super) fn suggest(found: &str, expected: &[&str]) -> String {
+pub fn suggest(found: &str, expected: &[&str]) -> String {
     /// Similarity from which a name counts as meant; the value that clap uses for flags is 0.7.
     const NEAR: f64 = 0.7;
     let lower = found.to_lowercase();

@@ -10,7 +10,7 @@ mod file;
 mod media;
 mod template;
 
-pub use error::{SettingsError, Syntax};
+pub use error::{SettingsError, Syntax, suggest};
 pub use file::{from_json, read, sidecar};
 pub use media::{Bounds, Density, Medium, Phase, Scatter};
 pub use template::TEMPLATE;
@@ -58,12 +58,16 @@ pub struct Settings {
     pub env: Option<Env>,
     /// Unit of the file's light intensities.
     pub light_units: LightUnits,
+    /// Factor on the file's lights, after the conversion of units.
+    pub light_scale: f32,
     /// Smallest radius of point and spot lights, metres.
     pub light_radius_m: f32,
     /// IES profile files by the name or path of the light's node.
     pub ies: BTreeMap<String, PathBuf>,
-    /// Unlit materials emit their base colour, cd/m².
-    pub unlit_emits: bool,
+    /// What unlit materials do.
+    pub unlit: Unlit,
+    /// Instances of EXT_mesh_gpu_instancing take lightmaps too.
+    pub bake_instanced: bool,
 
     /// The air; what stands in the glTF file when absent.
     pub media: Option<Vec<Medium>>,
@@ -99,9 +103,11 @@ impl Default for Settings {
             sun: None,
             env: None,
             light_units: LightUnits::Gltf,
+            light_scale: 1.0,
             light_radius_m: 0.001,
             ies: BTreeMap::new(),
-            unlit_emits: false,
+            unlit: Unlit::Black,
+            bake_instanced: false,
             media: None,
             probes: None,
             sh1: false,
@@ -118,19 +124,12 @@ impl Settings {
         self.target_error.unwrap_or_else(|| self.quality.relative_error())
     }
 
-    /// What was set for a node, or else for the nearest of its parents. A whole path decides before a name alone.
+    /// What was set for a node. A key is a node's name, or consecutive names of a path joined by `/`; it holds for
+    /// the node and all below it, and the longest that fits decides.
     pub fn node(&self, path: &str) -> Option<&Node> {
-        let mut path = path;
-        loop {
-            let (parent, name) = path.rsplit_once('/').unwrap_or(("", path));
-            if let Some(node) = self.nodes.get(path).or_else(|| self.nodes.get(name)) {
-                return Some(node);
-            }
-            if parent.is_empty() {
-                return None;
-            }
-            path = parent;
-        }
+        let fits = |key: &str| format!("/{path}/").contains(&format!("/{}/", key.trim_matches('/')));
+        let fitting = self.nodes.iter().filter(|(key, _)| fits(key));
+        fitting.max_by_key(|(key, _)| key.len()).map(|(_, node)| node)
     }
 
     /// Makes file names relative to `folder` instead of the settings file.
@@ -195,9 +194,13 @@ fn white() -> Rgb {
     [1.0; 3]
 }
 
-/// The Sun's mean apparent diameter seen from Earth, degrees.
 fn solar_diameter() -> f32 {
-    0.53
+    Sun::SOLAR_DIAMETER_DEG
+}
+
+impl Sun {
+    /// The Sun's mean apparent diameter seen from Earth, degrees.
+    pub const SOLAR_DIAMETER_DEG: f32 = 0.53;
 }
 
 /// An environment image in equirectangular layout, +Y at the top.
@@ -224,15 +227,27 @@ pub enum LightUnits {
     /// As glTF says: candela, and lux for directional lights.
     #[default]
     Gltf,
-    /// Lumens of the whole light (candela = lumens / 4π); lux for directional lights.
-    Lumens,
-    /// Radiant watts, and W/m² for directional lights, at 683 lm/W.
+    /// Radiant watts, and W/m² for directional lights.
     Watts,
+    /// W/sr, and W/m² for directional lights; what Blender calls "Unitless".
+    Unitless,
 }
 
 impl LightUnits {
     /// All, by the name of their flag value.
-    pub const ALL: [(&str, Self); 3] = [("gltf", Self::Gltf), ("lumens", Self::Lumens), ("watts", Self::Watts)];
+    pub const ALL: [(&str, Self); 3] = [("gltf", Self::Gltf), ("watts", Self::Watts), ("unitless", Self::Unitless)];
+}
+
+/// What surfaces of KHR_materials_unlit do.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub enum Unlit {
+    /// Block light.
+    #[default]
+    Black,
+    /// Reflect as if they were lit.
+    Reflect,
+    /// Emit their base colour times this radiance, cd/m².
+    Emit(f32),
 }
 
 /// A regular grid of probes.
@@ -258,15 +273,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_nodes_path_decides_before_its_name() {
+    fn the_longest_run_of_names_decides() {
         let node = |density| Node { texels_per_m: Some(density), lightmap: None };
         let nodes = BTreeMap::from([("Bolt".to_owned(), node(1.0)), ("Roof/Bolt".to_owned(), node(2.0))]);
         let settings = Settings { nodes, ..Settings::default() };
-        assert_eq!(settings.node("Wall/Bolt"), Some(&node(1.0)));
-        assert_eq!(settings.node("Roof/Bolt"), Some(&node(2.0)));
-        assert_eq!(settings.node("Bolt/Head"), Some(&node(1.0)));
-        assert_eq!(settings.node("Roof/Bolt/Head/Slot"), Some(&node(2.0)));
-        assert_eq!(settings.node("Roof/Nut"), None);
+        let cases = [
+            ("House/Wall/Bolt", Some(1.0)),
+            ("House/Roof/Bolt", Some(2.0)),
+            ("House/Roof/Bolt/Head", Some(2.0)),
+            ("House/Bolts", None),
+            ("Roof", None),
+        ];
+        for (path, density) in cases {
+            assert_eq!(settings.node(path).and_then(|node| node.texels_per_m), density, "{path}");
+        }
     }
 
     #[test]

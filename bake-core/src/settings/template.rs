@@ -24,10 +24,12 @@ Bake(
     sky: None,              // (900, 1000, 1200): cd/m² from every direction
     sun: None,              // Sun(azimuth_deg: 120, elevation_deg: 35, lux: 80000, colour: (1, 0.95, 0.9), angular_diameter_deg: 0.53)
     env: None,              // Env(file: "sky.hdr", rotation_deg: 0, scale: 1), instead of `sky`
-    light_units: Gltf,      // what the file's lights are given in; Gltf: cd and lux, Lumens, Watts (at 683 lm/W)
+    light_units: Gltf,      // of the file's lights; Gltf: cd and lux; Watts; Unitless: W/sr (both at 683 lm/W)
+    light_scale: 1.0,       // factor on them
     light_radius_m: 0.001,  // smallest radius of point and spot lights
     ies: {},                // {"Lamp": "lamp.ies"}: profiles by node name or path
-    unlit_emits: false,     // unlit materials emit their base colour, in cd/m²
+    unlit: Black,           // unlit materials: Black only block light, Reflect, Emit(1000) in cd/m²
+    bake_instanced: false,  // GPU-instanced meshes take lightmaps too
 
     // Air
     media: None,            // [Medium(bounds: Scene, scatter: Look(mean_free_path_m: 20, albedo: (0.9, 0.9, 0.9)), phase: HenyeyGreenstein(0.3))]

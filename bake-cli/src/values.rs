@@ -1,0 +1,237 @@
+//! The values of flags that are more than a number or a name, from text. Ranges are judged with the settings.
+
+use bake_core::settings::{Bounds, Density, Env, Medium, Node, Phase, Probes, Rgb, Scatter, Sun, Unlit, suggest};
+use std::fmt::Display;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// A value, or `none`, which takes the setting back.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Given<T>(pub Option<T>);
+
+impl<T> From<Given<T>> for Option<T> {
+    fn from(given: Given<T>) -> Self {
+        given.0
+    }
+}
+
+/// Allows `none` besides what `parse` takes.
+pub fn optional<T>(
+    parse: impl Fn(&str) -> Result<T, String> + Clone,
+) -> impl Fn(&str) -> Result<Given<T>, String> + Clone {
+    move |text| if text == "none" { Ok(Given(None)) } else { parse(text).map(|value| Given(Some(value))) }
+}
+
+/// Any text.
+pub fn text(text: &str) -> Result<String, String> {
+    Ok(text.to_owned())
+}
+
+/// A number.
+pub fn number<T: FromStr<Err: Display>>(text: &str) -> Result<T, String> {
+    text.trim().parse().map_err(|error| format!("`{text}`: {error}"))
+}
+
+/// A share: `0.015` or `1.5%`.
+pub fn share(text: &str) -> Result<f32, String> {
+    match text.strip_suffix('%') {
+        Some(percent) => Ok(number::<f32>(percent)? / 100.0),
+        None => number(text),
+    }
+}
+
+/// A duration in seconds, or with a unit: `90`, `90s`, `10m`, `2h`.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    let units = [("s", 1.0), ("m", 60.0), ("h", 3600.0)];
+    match units.iter().find_map(|(unit, factor)| Some((text.strip_suffix(unit)?, factor))) {
+        Some((value, factor)) => Ok(number::<f64>(value)? * factor),
+        None => number(text),
+    }
+}
+
+/// A colour: one value for all channels, or three divided by `/` (or `,`).
+pub fn rgb(text: &str) -> Result<Rgb, String> {
+    let channels: Vec<f32> = text.split(['/', ',']).map(number).collect::<Result<_, _>>()?;
+    match *channels {
+        [value] => Ok([value; 3]),
+        [r, g, b] => Ok([r, g, b]),
+        _ => Err(format!("`{text}` has {} channels; write one value, or three as 0.5/0.4/0.3", channels.len())),
+    }
+}
+
+/// The parts of `key=value,key=value`; every key is one of `allowed`.
+fn pairs<'a>(text: &'a str, allowed: &[&str]) -> Result<Vec<(&'a str, &'a str)>, String> {
+    let pair = |part: &'a str| {
+        let (key, value) = part.split_once('=').ok_or(format!("`{part}` is no key=value"))?;
+        match allowed.contains(&key) {
+            true => Ok((key, value)),
+            false => Err(format!("unknown key `{key}`; {}", suggest(key, allowed))),
+        }
+    };
+    text.split(',').map(pair).collect()
+}
+
+/// The value of a key that must be there.
+fn required<T>(value: Option<T>, key: &str) -> Result<T, String> {
+    value.ok_or_else(|| format!("`{key}=…` is missing"))
+}
+
+/// `azimuth_deg=120,elevation_deg=35,lux=80000[,colour=…,angular_diameter_deg=…]`.
+pub fn sun(text: &str) -> Result<Sun, String> {
+    let (mut azimuth, mut elevation, mut lux) = (None, None, None);
+    let (mut colour, mut diameter) = ([1.0; 3], Sun::SOLAR_DIAMETER_DEG);
+    for (key, value) in pairs(text, &["azimuth_deg", "elevation_deg", "lux", "colour", "angular_diameter_deg"])? {
+        match key {
+            "azimuth_deg" => azimuth = Some(number(value)?),
+            "elevation_deg" => elevation = Some(number(value)?),
+            "lux" => lux = Some(number(value)?),
+            "colour" => colour = rgb(value)?,
+            _ => diameter = number(value)?,
+        }
+    }
+    Ok(Sun {
+        azimuth_deg: required(azimuth, "azimuth_deg")?,
+        elevation_deg: required(elevation, "elevation_deg")?,
+        lux: required(lux, "lux")?,
+        colour,
+        angular_diameter_deg: diameter,
+    })
+}
+
+/// `FILE[,rotation_deg=90,scale=1]`.
+pub fn env(text: &str) -> Result<Env, String> {
+    let first_key = [",rotation_deg=", ",scale="].iter().filter_map(|key| text.find(key)).min();
+    let (file, rest) = first_key.map_or((text, ""), |at| (&text[..at], &text[at + 1..]));
+    let mut env = Env { file: PathBuf::from(file), rotation_deg: 0.0, scale: 1.0 };
+    if !rest.is_empty() {
+        for (key, value) in pairs(rest, &["rotation_deg", "scale"])? {
+            match key {
+                "rotation_deg" => env.rotation_deg = number(value)?,
+                _ => env.scale = number(value)?,
+            }
+        }
+    }
+    Ok(env)
+}
+
+/// `NODE=FILE`.
+pub fn ies(text: &str) -> Result<(String, PathBuf), String> {
+    match text.split_once('=') {
+        Some((node, file)) if !node.is_empty() && !file.is_empty() => Ok((node.into(), file.into())),
+        _ => Err(format!("`{text}` is no NODE=FILE")),
+    }
+}
+
+/// `black`, `reflect` or `emit=CD_PER_M2`.
+pub fn unlit(text: &str) -> Result<Unlit, String> {
+    match (text, text.strip_prefix("emit=")) {
+        ("black", _) => Ok(Unlit::Black),
+        ("reflect", _) => Ok(Unlit::Reflect),
+        (_, Some(radiance)) => number(radiance).map(Unlit::Emit),
+        _ => Err("known are black, reflect, emit=CD_PER_M2".into()),
+    }
+}
+
+/// `NODE:texels_per_m=64,lightmap=true`.
+pub fn node(text: &str) -> Result<(String, Node), String> {
+    let (name, rest) = text.rsplit_once(':').ok_or(format!("`{text}` is no NODE:key=value"))?;
+    let mut node = Node::default();
+    for (key, value) in pairs(rest, &["texels_per_m", "lightmap"])? {
+        match key {
+            "texels_per_m" => node.texels_per_m = Some(number(value)?),
+            _ => node.lightmap = Some(number(value)?),
+        }
+    }
+    Ok((name.to_owned(), node))
+}
+
+/// Metres between probes.
+pub fn probes(text: &str) -> Result<Probes, String> {
+    Ok(Probes { spacing_m: number(text)? })
+}
+
+/// `sigma_t=0.5,albedo=0.9[,g=0.3,bounds=x0:y0:z0:x1:y1:z1]`: one uniform medium.
+pub fn fog(text: &str) -> Result<Vec<Medium>, String> {
+    let (mut sigma_t, mut albedo) = (None, None);
+    let (mut phase, mut bounds) = (Phase::Isotropic, Bounds::Scene);
+    for (key, value) in pairs(text, &["sigma_t", "albedo", "g", "bounds"])? {
+        match key {
+            "sigma_t" => sigma_t = Some(rgb(value)?),
+            "albedo" => albedo = Some(rgb(value)?),
+            "g" => phase = Phase::HenyeyGreenstein(number(value)?),
+            _ => bounds = corners(value)?,
+        }
+    }
+    let (sigma_t, albedo) = (required(sigma_t, "sigma_t")?, required(albedo, "albedo")?);
+    if albedo.iter().any(|share| !(0.0..=1.0).contains(share)) {
+        return Err(format!("`albedo` is {albedo:?}; allowed is 0 to 1"));
+    }
+    let s = std::array::from_fn(|channel| sigma_t[channel] * albedo[channel]);
+    let a = std::array::from_fn(|channel| sigma_t[channel] * (1.0 - albedo[channel]));
+    let scatter = Scatter::Sigma { s, a };
+    Ok(vec![Medium { name: "fog".into(), bounds, density: Density::Uniform, scatter, phase }])
+}
+
+/// `x0:y0:z0:x1:y1:z1`, metres.
+fn corners(text: &str) -> Result<Bounds, String> {
+    let numbers: Vec<f32> = text.split(':').map(number).collect::<Result<_, _>>()?;
+    match *numbers {
+        [x0, y0, z0, x1, y1, z1] => Ok(Bounds::Box { min: [x0, y0, z0], max: [x1, y1, z1] }),
+        _ => Err(format!("`{text}` is no x0:y0:z0:x1:y1:z1")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_and_shares() {
+        assert_eq!(share("1.5%"), Ok(0.015));
+        assert_eq!(share("0.015"), Ok(0.015));
+        assert_eq!(
+            [seconds("90"), seconds("90s"), seconds("1.5m"), seconds("2h")].map(Result::unwrap),
+            [90.0, 90.0, 90.0, 7200.0]
+        );
+        for wrong in ["", "m", "10 parsecs", "1:30"] {
+            assert!(seconds(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn colours() {
+        assert_eq!(rgb("2"), Ok([2.0; 3]));
+        assert_eq!(rgb("1/2/3"), Ok([1.0, 2.0, 3.0]));
+        assert_eq!(rgb("1,2,3"), Ok([1.0, 2.0, 3.0]));
+        for wrong in ["", "1/2", "1/2/3/4", "red"] {
+            assert!(rgb(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn records_name_what_is_missing_or_unknown() {
+        assert!(sun("azimuth_deg=1,elevation_deg=2").unwrap_err().contains("lux"));
+        assert!(sun("azimut_deg=1").unwrap_err().contains("did you mean `azimuth_deg`?"));
+        assert!(sun("90").unwrap_err().contains("key=value"));
+        assert!(fog("albedo=0.9").unwrap_err().contains("sigma_t"));
+        assert!(fog("sigma_t=1,albedo=2").unwrap_err().contains("0 to 1"));
+        assert!(fog("sigma_t=1,albedo=1,bounds=1:2:3").is_err());
+        assert!(node("Statue").is_err());
+        assert!(ies("Lamp").is_err());
+    }
+
+    #[test]
+    fn environment_files_may_hold_commas() {
+        let env = env("a,b.hdr,scale=2,rotation_deg=90").expect("valid");
+        assert_eq!((env.file, env.scale, env.rotation_deg), ("a,b.hdr".into(), 2.0, 90.0));
+    }
+
+    #[test]
+    fn fog_splits_extinction_by_albedo() {
+        let media = fog("sigma_t=1/2/4,albedo=0.75,g=0.3,bounds=0:0:0:1:2:3").expect("valid");
+        let scatter = Scatter::Sigma { s: [0.75, 1.5, 3.0], a: [0.25, 0.5, 1.0] };
+        let bounds = Bounds::Box { min: [0.0; 3], max: [1.0, 2.0, 3.0] };
+        assert_eq!((&media[0].scatter, &media[0].bounds), (&scatter, &bounds));
+        assert_eq!(media[0].phase, Phase::HenyeyGreenstein(0.3));
+    }
+}

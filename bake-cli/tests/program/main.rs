@@ -1,0 +1,5 @@
+//! The program as its users meet it: the built binary, files in, exit code and files out.
+
+mod bake;
+mod settings;
+mod usage;

@@ -1,0 +1,87 @@
+//! Help, and what wrong usage is answered with.
+
+use crate::bake::Desk;
+
+#[test]
+fn help_fits_a_screen() {
+    let desk = Desk::new();
+    for (arguments, sample) in [
+        ("--help", "bake run room.glb"),
+        ("run --help", "Accuracy:"),
+        ("run -h", "--max-pages"),
+        ("plan --help", "--texels-per-m"),
+        ("init --help", "--force"),
+    ] {
+        let ended = desk.bake(arguments);
+        assert_eq!(ended.code, Some(0), "{arguments}");
+        let lines = ended.out.lines().count();
+        assert!((5..=44).contains(&lines), "{arguments}: {lines} lines");
+        assert!(ended.out.lines().all(|line| line.chars().count() <= 130), "{arguments}: a line is too long");
+        assert!(ended.out.contains(sample), "{arguments}: no '{sample}' in\n{}", ended.out);
+        assert!(ended.err.is_empty(), "{arguments}: {}", ended.err);
+    }
+}
+
+#[test]
+fn nothing_asked_is_wrong_usage_and_shows_the_commands() {
+    let ended = Desk::new().bake("");
+    ended.expect(2, &["Usage: bake", "run", "plan", "init", "Examples"]);
+    assert!(ended.out.is_empty());
+}
+
+#[test]
+fn typing_errors_are_answered_with_what_was_meant() {
+    let desk = Desk::with_room();
+    for (arguments, words) in [
+        ("plna room.glb", ["'plna'", "'plan'"]),
+        ("run room.glb --qualty final", ["'--qualty'", "'--quality'"]),
+        ("run room.glb --quality finl", ["'finl'", "'final'"]),
+        ("run room.glb --sun azimut_deg=1", ["azimut_deg", "`azimuth_deg`"]),
+    ] {
+        desk.bake(arguments).expect(2, &words);
+    }
+}
+
+#[test]
+fn wrong_values_are_refused_with_what_is_allowed() {
+    let desk = Desk::with_room();
+    for (arguments, words) in [
+        ("run", ["<SCENE>", "bake run"]),
+        ("run room.glb --threads 0", ["--threads", "1..=1024"]),
+        ("run room.glb --texels-per-m -3", ["`texels_per_m` is -3", "allowed"]),
+        ("run room.glb --page-size 1", ["`page_size` is 1", "16 to 16384"]),
+        ("run room.glb --samples x", ["--samples", "invalid digit"]),
+        ("run room.glb --sky 1/2", ["--sky", "2 channels"]),
+        ("run room.glb --sky 1 --env sky.hdr", ["`sky`", "one of the two"]),
+        ("run room.glb -v -q", ["--verbose", "--quiet"]),
+        ("run room.glb other.glb", ["other.glb", "unexpected"]),
+    ] {
+        desk.bake(arguments).expect(2, &words);
+    }
+}
+
+#[test]
+fn what_a_later_version_will_do_is_refused_by_name() {
+    let desk = Desk::with_room();
+    for (arguments, name) in
+        [("study room.glb", "`study`"), ("view x", "`view`"), ("run room.glb --shard 1/2", "`--shard`")]
+    {
+        desk.bake(arguments).expect(2, &[name, "not in this version"]);
+    }
+}
+
+#[test]
+fn scenes_that_are_none_are_refused_with_the_next_step() {
+    let desk = Desk::with_room();
+    std::fs::create_dir(desk.path("empty")).expect("created");
+    desk.write("room.obj", "v 0 0 0");
+    for (arguments, words) in [
+        ("run nope.glb", ["nope.glb does not exist", "room.glb"]),
+        ("plan .", ["is a folder", "room.glb"]),
+        ("run empty/a.glb", ["does not exist", "no .glb or .gltf file"]),
+        ("run no/such/folder/a.glb", ["does not exist", "no/such/folder"]),
+        ("init room.obj", ["room.obj is no .glb", "export"]),
+    ] {
+        desk.bake(arguments).expect(2, &words);
+    }
+}
