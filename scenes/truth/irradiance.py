@@ -5,6 +5,9 @@
 Needs `pip install mitsuba` and an LLVM library of version 16 or newer (DRJIT_LIBLLVM_PATH names it). Reads
 scenes/NAME.glb and NAME.bake.ron with its own few lines of code, so that nothing is shared with the baker.
 
+scenes/tests/data/mitsuba_*.csv, against which the closed forms are tested, were made with
+--plain 40 --hard 0 --clearance 0.02 --batches 32.
+
 Light that arrives after reflections comes from Mitsuba's `path` integrator without a limit of length (Russian roulette
 from depth 5) along cosine-distributed rays; light straight from emitters from the same rays and from sampled emitters,
 weighted by the balance heuristic. Surfaces are Lambertian; the back of a single-sided face blocks and reflects nothing.
@@ -277,7 +280,7 @@ def distance_to_other_surfaces(point, normal, corners, face_normals):
     best = np.inf
     for s, e in ((a, b), (b, c), (c, a)):
         t = np.clip(np.einsum("ij,ij->i", point - s, e - s) / np.einsum("ij,ij->i", e - s, e - s), 0, 1)
-        best = min(best, np.linalg.norm(s + t[:, None] * (e - s) - point, axis=1).min())
+        best = min(best, np.linalg.norm(s + t[:, None] * (e - s) - point, axis=1).min(initial=np.inf))
     n = np.cross(b - a, c - a)
     n /= np.linalg.norm(n, axis=1, keepdims=True)
     height = np.einsum("ij,ij->i", point - a, n)
