@@ -11,6 +11,7 @@ pub mod analytic;
 pub mod build;
 pub mod cornell;
 pub mod furnace;
+pub mod hall;
 pub mod instances;
 pub mod lit_room;
 pub mod occluders;
@@ -46,6 +47,7 @@ pub fn all() -> Vec<SceneFiles> {
     vec![
         cornell::scene(),
         furnace::scene(),
+        hall::scene(),
         instances::scene(),
         lit_room::scene(),
         occluders::scene(),

@@ -118,8 +118,8 @@ def settings(name):
     path = FOLDER / f"{name}.bake.ron"
     text = re.sub(r"//.*", "", path.read_text()) if path.exists() else ""
     triple = r"\(\s*([-\d.e]+)\s*,\s*([-\d.e]+)\s*,\s*([-\d.e]+)\s*\)"
-    sky = re.search(r"sky:\s*Some\(" + triple, text)
-    sun = re.search(r"sun:\s*Some\(Sun\((.*?angular_diameter_deg.*?)\)\)", text, re.S)
+    sky = re.search(r"sky:\s*(?:Some\()?" + triple, text)
+    sun = re.search(r"sun:\s*(?:Some\()?Sun\((.*?angular_diameter_deg.*?)\)", text, re.S)
     if sun:
         fields = {key: float(value) for key, value in re.findall(r"(\w+):\s*([-\d.e]+)", sun[1])}
         colour = np.array([float(c) for c in re.search(r"colour:\s*" + triple, sun[1]).groups()])

@@ -6,6 +6,7 @@ mod lightmap;
 mod material;
 mod patch;
 mod png;
+mod wall;
 
 pub use glb::{Content, GRID_M, GRID_UV, Glb, Light, LightId, MeshId, NodeId, Place};
 pub use lathe::lathe;
@@ -13,3 +14,4 @@ pub use lightmap::{GUTTER, Layout, layout};
 pub use material::{Alpha, Material, MaterialId, TextureId};
 pub use patch::{Patch, Vertex, cuboid, room};
 pub use png::Pixels;
+pub use wall::{Opening, extrude, wall};

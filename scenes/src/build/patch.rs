@@ -68,6 +68,14 @@ impl Patch {
         self.triangles.push(([first, first + 2, first + 3], material));
     }
 
+    /// Adds a convex polygon in the plane at `z`, counter-clockwise and facing +Z, charted by its own coordinates.
+    pub fn add_polygon(&mut self, corners: &[DVec2], z: f64, material: MaterialId) {
+        let first = self.vertices.len() as u32;
+        let vertex = |&chart: &DVec2| Vertex { position: chart.extend(z), normal: DVec3::Z, chart };
+        self.vertices.extend(corners.iter().map(vertex));
+        self.triangles.extend((2..corners.len() as u32).map(|i| ([first, first + i - 1, first + i], material)));
+    }
+
     /// Turns the front to the other side.
     pub fn flipped(mut self) -> Self {
         for (corners, _) in &mut self.triangles {
