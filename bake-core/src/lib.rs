@@ -6,7 +6,11 @@
 
 pub mod atlas;
 pub mod post;
+pub mod progress;
 pub mod scene;
 pub mod settings;
 pub mod solve;
 pub mod trace;
+
+#[cfg(test)]
+mod test_scenes;

@@ -4,6 +4,8 @@
 //! every index is in range, every number is finite, directions are unit vectors, albedos lie in [0, 1],
 //! every mesh has at least one triangle, transforms are invertible.
 
+pub mod surface;
+
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use std::ops::Range;
 use std::sync::Arc;
@@ -274,4 +276,17 @@ pub struct Environment {
     pub radiance: Vec<Vec3>,
     /// Turn about +Y, radians, added to the azimuth.
     pub rotation: f32,
+}
+
+impl Scene {
+    /// The material of an instance's triangle.
+    pub fn material_at(&self, instance: u32, triangle: u32) -> &Material {
+        let mesh = &self.meshes[self.instances[instance as usize].mesh as usize];
+        &self.materials[mesh.material_of(triangle) as usize]
+    }
+
+    /// Alpha of an instance's triangle.
+    pub fn alpha_at(&self, instance: u32, triangle: u32, _barycentric: Vec2) -> f32 {
+        self.material_at(instance, triangle).base_color.w
+    }
 }

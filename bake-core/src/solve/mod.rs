@@ -1,3 +1,304 @@
-//! Light on texels and probes.
+//! Light on texels: path tracing from the surface points of every texel until the page's error is small enough.
+//!
+//! A texel's samples are split over [`REPLICATES`] independently scrambled sequences; the spread of their means gives
+//! the standard error. Rounds double the samples of every texel of a page until the target or the cap is reached.
+//! Results depend on scene, atlas, settings and seed alone, never on threads.
 
 pub mod buffers;
+pub mod emitters;
+pub mod path;
+pub mod sampler;
+pub mod texels;
+pub mod warp;
+
+use crate::atlas::{Atlas, Page};
+use crate::progress::{Interrupted, Progress};
+use crate::trace::Tracer;
+use bake_formats::Term;
+use buffers::{PageBuffers, TermImage, Validity};
+use emitters::Emitters;
+use glam::Vec3;
+use path::{Counters, Gathered, Paths};
+use rayon::prelude::*;
+use sampler::{MAX_SAMPLES, Sampler, hash};
+use texels::Start;
+
+/// Luminance of linear Rec.709.
+pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+
+/// Independent sequences per texel.
+pub const REPLICATES: usize = 8;
+
+/// Texels that one task solves.
+const TEXELS_PER_TASK: usize = 64;
+
+/// How much light to gather.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LightmapSettings {
+    /// Standard error to reach, as a share of the page's median (see [`PageReport::error`]).
+    pub target_error: f32,
+    /// Samples per texel at least and at most; rounded up to multiples of [`REPLICATES`].
+    pub min_samples: u32,
+    /// See `min_samples`.
+    pub max_samples: u32,
+    /// Most reflections; `None` leaves it to Russian roulette.
+    pub bounces: Option<u32>,
+    /// Gather l ≤ 1 harmonics of incident radiance.
+    pub sh1: bool,
+    /// Same seed, same bits.
+    pub seed: u32,
+}
+
+impl Default for LightmapSettings {
+    fn default() -> Self {
+        Self { target_error: 0.02, min_samples: 64, max_samples: 4096, bounces: None, sh1: false, seed: 0 }
+    }
+}
+
+/// How one page went.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PageReport {
+    /// Samples per texel.
+    pub samples: u32,
+    /// Root mean square over texels of standard error / max(texel, page's median), in luminance.
+    pub error: f32,
+    /// Median luminance of the page's texels, lux.
+    pub median: f32,
+    /// Texels of each kind.
+    pub good_texels: u32,
+    /// Texels inside other geometry.
+    pub buried_texels: u32,
+}
+
+/// What a bake of all pages returns.
+#[derive(Debug, Clone)]
+pub struct Lightmap {
+    /// One per page of the atlas.
+    pub pages: Vec<PageBuffers>,
+    /// One per page.
+    pub reports: Vec<PageReport>,
+    /// Closest-hit rays.
+    pub rays: u64,
+    /// Shadow rays.
+    pub shadow_rays: u64,
+    /// Paths cut because nothing absorbed them.
+    pub cut_paths: u64,
+}
+
+/// Light gathered at one texel so far: means over its samples.
+#[derive(Debug, Clone)]
+struct Estimate {
+    /// Mean of the total of each replicate.
+    replicates: [Vec3; REPLICATES],
+    direct: Vec3,
+    indirect: Vec3,
+    sh1: [Vec3; 4],
+}
+
+/// Solves every page of the atlas.
+///
+/// # Errors
+/// [`Interrupted`] when the progress asks to stop; nothing is returned then.
+pub fn lightmap(
+    tracer: &Tracer,
+    atlas: &Atlas,
+    settings: &LightmapSettings,
+    progress: &dyn Progress,
+) -> Result<Lightmap, Interrupted> {
+    let emitters = Emitters::new(tracer);
+    let paths = Paths { tracer, emitters: &emitters, bounces: settings.bounces.unwrap_or(u32::MAX), sh1: settings.sh1 };
+    let mut lightmap = Lightmap { pages: vec![], reports: vec![], rays: 0, shadow_rays: 0, cut_paths: 0 };
+    for (index, page) in atlas.pages.iter().enumerate() {
+        let solver = PageSolver { paths: &paths, page, settings, progress, seed: hash(settings.seed, index as u32) };
+        solver.solve(&mut lightmap)?;
+    }
+    Ok(lightmap)
+}
+
+struct PageSolver<'a, 's> {
+    paths: &'a Paths<'a, 's>,
+    page: &'a Page,
+    settings: &'a LightmapSettings,
+    progress: &'a dyn Progress,
+    seed: u32,
+}
+
+impl PageSolver<'_, '_> {
+    fn solve(&self, lightmap: &mut Lightmap) -> Result<(), Interrupted> {
+        let starts = self.starts()?;
+        let mut estimates = vec![Estimate::default(); starts.len()];
+        let per_replicate = |samples: u32| samples.div_ceil(REPLICATES as u32).clamp(1, MAX_SAMPLES);
+        let (floor, cap) = (per_replicate(self.settings.min_samples), per_replicate(self.settings.max_samples));
+        let (mut done, mut next) = (0, floor.min(cap));
+        loop {
+            self.round(&starts, &mut estimates, done..next, lightmap)?;
+            done = next;
+            let report = self.report(&starts, &estimates, done * REPLICATES as u32);
+            if report.error <= self.settings.target_error || done == cap {
+                lightmap.reports.push(report);
+                lightmap.pages.push(self.buffers(&starts, &estimates, report.samples));
+                return Ok(());
+            }
+            let wanted = f64::from(done) * f64::from(report.error / self.settings.target_error).powi(2) * 1.05;
+            next = (wanted.min(1e9) as u32).clamp(done + done.div_ceil(4), done.saturating_mul(4)).min(cap);
+        }
+    }
+
+    fn starts(&self) -> Result<Vec<Vec<Start>>, Interrupted> {
+        self.progress.stage("find surfaces", self.page.texels.len() as u64);
+        let tasks: Vec<_> = self
+            .page
+            .texels
+            .par_chunks(TEXELS_PER_TASK)
+            .map(|texels| {
+                let found: Vec<_> = texels.iter().map(|texel| texels::starts(self.paths, self.page, texel)).collect();
+                self.finish_task(texels.len() as u64)?;
+                Ok(found)
+            })
+            .collect::<Result<_, Interrupted>>()?;
+        Ok(tasks.into_iter().flatten().collect())
+    }
+
+    /// Adds a range of samples per replicate to every texel.
+    fn round(
+        &self,
+        starts: &[Vec<Start>],
+        estimates: &mut [Estimate],
+        samples: std::ops::Range<u32>,
+        lightmap: &mut Lightmap,
+    ) -> Result<(), Interrupted> {
+        self.progress.stage("trace", starts.len() as u64);
+        let tasks = estimates.par_chunks_mut(TEXELS_PER_TASK).enumerate().map(|(task, estimates)| {
+            let counters = Counters::default();
+            for (offset, estimate) in estimates.iter_mut().enumerate() {
+                let texel = task * TEXELS_PER_TASK + offset;
+                if !starts[texel].is_empty() {
+                    estimate.add(self.paths, &starts[texel], self.texel_seed(texel), samples.clone(), &counters);
+                }
+            }
+            self.finish_task(estimates.len() as u64)?;
+            Ok(counters)
+        });
+        for counters in tasks.collect::<Result<Vec<_>, Interrupted>>()? {
+            lightmap.rays += counters.rays.get();
+            lightmap.shadow_rays += counters.shadow_rays.get();
+            lightmap.cut_paths += counters.cut_paths.get();
+        }
+        Ok(())
+    }
+
+    fn finish_task(&self, units: u64) -> Result<(), Interrupted> {
+        self.progress.advance(units);
+        if self.progress.is_cancelled() { Err(Interrupted) } else { Ok(()) }
+    }
+
+    fn texel_seed(&self, texel: usize) -> u32 {
+        let texel = &self.page.texels[texel];
+        hash(self.seed, u32::from(texel.x) | u32::from(texel.y) << 16)
+    }
+
+    fn report(&self, starts: &[Vec<Start>], estimates: &[Estimate], samples: u32) -> PageReport {
+        let good: Vec<&Estimate> =
+            starts.iter().zip(estimates).filter(|(s, _)| !s.is_empty()).map(|(_, e)| e).collect();
+        let mut levels: Vec<f32> = good.iter().map(|e| e.total().dot(LUMINANCE)).collect();
+        levels.sort_by(f32::total_cmp);
+        let median = levels.get(levels.len() / 2).copied().unwrap_or(0.0);
+        let squares = good.iter().map(|e| {
+            let level = e.total().dot(LUMINANCE).max(median);
+            if level > 0.0 { f64::from(e.luminance_variance() / (level * level)) } else { 0.0 }
+        });
+        let error = (squares.sum::<f64>() / good.len().max(1) as f64).sqrt() as f32;
+        let buried_texels = (starts.len() - good.len()) as u32;
+        PageReport { samples, error, median, good_texels: good.len() as u32, buried_texels }
+    }
+
+    fn buffers(&self, starts: &[Vec<Start>], estimates: &[Estimate], samples: u32) -> PageBuffers {
+        let size = (self.page.width * self.page.height) as usize;
+        let mut buffers = PageBuffers {
+            width: self.page.width,
+            height: self.page.height,
+            terms: [Term::Direct, Term::Indirect]
+                .map(|term| TermImage { term, irradiance: vec![Vec3::ZERO; size] })
+                .into(),
+            variance: vec![Vec3::ZERO; size],
+            samples: vec![0; size],
+            validity: vec![Validity::Empty; size],
+            sh1: self.settings.sh1.then(|| vec![[Vec3::ZERO; 4]; size]),
+        };
+        for ((texel, starts), estimate) in self.page.texels.iter().zip(starts).zip(estimates) {
+            let at = self.page.index(texel.x.into(), texel.y.into());
+            if starts.is_empty() {
+                buffers.validity[at] = Validity::Buried;
+                continue;
+            }
+            buffers.validity[at] = Validity::Good;
+            buffers.terms[0].irradiance[at] = estimate.direct;
+            buffers.terms[1].irradiance[at] = estimate.indirect;
+            buffers.variance[at] = estimate.variance();
+            buffers.samples[at] = samples;
+            if let Some(sh1) = &mut buffers.sh1 {
+                sh1[at] = estimate.sh1;
+            }
+        }
+        buffers
+    }
+}
+
+impl Default for Estimate {
+    fn default() -> Self {
+        let zero = Vec3::ZERO;
+        Self { replicates: [zero; REPLICATES], direct: zero, indirect: zero, sh1: [zero; 4] }
+    }
+}
+
+impl Estimate {
+    /// Takes a range of samples of every replicate; `samples.start` of each were taken before.
+    fn add(&mut self, paths: &Paths, starts: &[Start], seed: u32, samples: std::ops::Range<u32>, counters: &Counters) {
+        let mut sum = Gathered::default();
+        let (old, new) = (samples.start as f32, samples.end as f32);
+        for (index, mean) in self.replicates.iter_mut().enumerate() {
+            let mut replicate = Gathered::default();
+            for sample in samples.clone() {
+                let mut sampler = Sampler::new(sample, hash(seed, index as u32));
+                let [u, ..] = sampler.next4();
+                replicate.add(&paths.gather(texels::pick(starts, u), &mut sampler, counters));
+            }
+            *mean = (*mean * old + replicate.direct + replicate.indirect) / new;
+            sum.add(&replicate);
+        }
+        let count = REPLICATES as f32;
+        let blend = |mean: &mut Vec3, sum: Vec3| *mean = (*mean * old + sum / count) / new;
+        blend(&mut self.direct, sum.direct);
+        blend(&mut self.indirect, sum.indirect);
+        self.sh1.iter_mut().zip(sum.sh1).for_each(|(mean, sum)| blend(mean, sum));
+    }
+
+    fn total(&self) -> Vec3 {
+        self.direct + self.indirect
+    }
+
+    /// Variance of the mean of the total, from the spread of the replicates.
+    fn variance(&self) -> Vec3 {
+        let count = REPLICATES as f32;
+        let mean = self.replicates.iter().sum::<Vec3>() / count;
+        self.replicates.iter().map(|r| (*r - mean) * (*r - mean)).sum::<Vec3>() / (count * (count - 1.0))
+    }
+
+    fn luminance_variance(&self) -> f32 {
+        let count = REPLICATES as f32;
+        let levels = self.replicates.map(|r| r.dot(LUMINANCE));
+        let mean = levels.iter().sum::<f32>() / count;
+        levels.iter().map(|level| (level - mean).powi(2)).sum::<f32>() / (count * (count - 1.0))
+    }
+}
+
+impl Gathered {
+    fn add(&mut self, other: &Self) {
+        self.direct += other.direct;
+        self.indirect += other.indirect;
+        self.sh1.iter_mut().zip(other.sh1).for_each(|(sum, value)| *sum += value);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,315 @@
+//! One path from a surface point: what arrives straight from emitters, and what arrives after reflections.
+//!
+//! At every vertex emitters are drawn (next-event estimation) and one direction is followed; what both can find is
+//! weighed by the power heuristic (Veach 1997). Surfaces are Lambertian. Blended and transmissive surfaces on the way
+//! are crossed at random in proportion to what they let through.
+
+use super::emitters::{Emitters, LightSample, Strategy, Target};
+use super::sampler::Sampler;
+use super::warp;
+use crate::scene::surface::Surface;
+use crate::trace::passage::Chords;
+use crate::trace::{Hit, Place, Ray, Tracer};
+use glam::Vec3;
+use std::cell::Cell;
+use std::f32::consts::{PI, TAU};
+
+/// Reflections after which a path is cut even when nothing absorbs.
+const LONGEST_PATH: u32 = 1024;
+/// Reflections after which Russian roulette may end a path.
+const ROULETTE_FROM: u32 = 2;
+/// Permeable surfaces that one segment may cross.
+const MOST_CROSSINGS: u32 = 128;
+
+/// Where a path starts or goes on: a point with its two normals, on the side from which light arrives.
+#[derive(Debug, Clone, Copy)]
+pub struct Vertex {
+    /// Origin of rays, clear of the surface.
+    pub origin: Vec3,
+    /// Unit geometric normal.
+    pub normal_geom: Vec3,
+    /// Unit normal of the cosine.
+    pub normal_shading: Vec3,
+}
+
+/// Irradiance (lux) that one path estimates, by term, and its l ≤ 1 harmonics (order 0, y, z, x) of incident radiance.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Gathered {
+    /// Straight from emitters.
+    pub direct: Vec3,
+    /// From reflecting surfaces.
+    pub indirect: Vec3,
+    /// Harmonics, when asked for.
+    pub sh1: [Vec3; 4],
+}
+
+/// Rare and countable things that happened on the way.
+#[derive(Debug, Clone, Default)]
+pub struct Counters {
+    /// Closest-hit rays.
+    pub rays: Cell<u64>,
+    /// Shadow rays.
+    pub shadow_rays: Cell<u64>,
+    /// Paths cut at the longest length.
+    pub cut_paths: Cell<u64>,
+}
+
+/// Follows paths through a scene.
+pub struct Paths<'a, 's> {
+    /// Geometry.
+    pub tracer: &'a Tracer<'s>,
+    /// Emitters.
+    pub emitters: &'a Emitters<'s>,
+    /// Most reflections.
+    pub bounces: u32,
+    /// Whether harmonics are gathered; directions are then drawn half by cosine, half uniformly, so that weights stay bounded.
+    pub sh1: bool,
+}
+
+/// What a ray arrives at.
+struct Arrival {
+    hit: Option<(Hit, Place, Surface)>,
+    distance: f32,
+    /// What the surfaces crossed on the way let through.
+    passed: Vec3,
+}
+
+impl Paths<'_, '_> {
+    /// Follows one path from a vertex.
+    pub fn gather(&self, start: &Vertex, sampler: &mut Sampler, counters: &Counters) -> Gathered {
+        let mut gathered = Gathered::default();
+        for &strategy in self.emitters.strategies() {
+            let [u, v, w, _] = sampler.next4();
+            if let Some((irradiance, dir, cos)) = self.draw(strategy, 1.0, start, [u, v, w], counters) {
+                gathered.direct += irradiance * cos;
+                self.project(&mut gathered.sh1, dir, irradiance);
+            }
+        }
+        let [u, v, crossing, lobe] = sampler.next4();
+        let (dir, pdf) = self.first_direction(start, u, v);
+        let cos = dir.dot(start.normal_shading);
+        if cos <= 0.0 || dir.dot(start.normal_geom) <= 0.0 {
+            return gathered;
+        }
+        let (direct, indirect) = self.follow(start, dir, pdf, [crossing, lobe], sampler, counters);
+        gathered.direct += direct * (cos / pdf);
+        gathered.indirect += indirect * (cos / pdf);
+        self.project(&mut gathered.sh1, dir, (direct + indirect) / pdf);
+        gathered
+    }
+
+    /// Radiance arriving at `start` from `dir`, whose density is `pdf`: from the emitter straight ahead (weighed
+    /// against next-event estimation), and from whatever reflects there.
+    fn follow(
+        &self,
+        start: &Vertex,
+        dir: Vec3,
+        pdf: f32,
+        [crossing, lobe]: [f32; 2],
+        sampler: &mut Sampler,
+        counters: &Counters,
+    ) -> (Vec3, Vec3) {
+        let (mut direct, mut indirect) = (Vec3::ZERO, Vec3::ZERO);
+        let (mut vertex, mut dir, mut pdf, mut crossing, mut lobe) = (*start, dir, pdf, crossing, lobe);
+        let mut throughput = Vec3::ONE;
+        let mut draws = 1.0; // share of the strategies that were drawn at the vertex
+        for bounce in 0.. {
+            let arrival = self.travel(vertex.origin, dir, crossing, counters);
+            throughput *= arrival.passed;
+            let emitted = throughput * self.emitted(&vertex, dir, pdf, draws, &arrival);
+            if bounce == 0 {
+                direct += emitted;
+            } else {
+                indirect += emitted;
+            }
+            let Some((hit, place, surface)) = arrival.hit else { break };
+            if bounce >= self.bounces {
+                break;
+            }
+            if bounce >= LONGEST_PATH {
+                counters.cut_paths.set(counters.cut_paths.get() + 1);
+                break;
+            }
+            let Some((next, weight)) = self.scatter(&hit, &place, &surface, lobe) else { break };
+            vertex = next;
+            throughput *= weight;
+
+            let [pick, u, v, survive] = sampler.next4();
+            let strategies = self.emitters.strategies();
+            if !strategies.is_empty() {
+                draws = 1.0 / strategies.len() as f32;
+                let place = pick * strategies.len() as f32;
+                let strategy = strategies[(place as usize).min(strategies.len() - 1)];
+                if let Some((irradiance, _, cos)) = self.draw(strategy, draws, &vertex, [place.fract(), u, v], counters)
+                {
+                    indirect += throughput * irradiance * (cos / PI);
+                }
+            }
+            if bounce + 1 >= ROULETTE_FROM {
+                let survival = throughput.max_element().min(1.0);
+                if survive >= survival {
+                    break;
+                }
+                throughput /= survival;
+            }
+            let numbers = sampler.next4();
+            dir = warp::about(vertex.normal_shading, warp::cosine_hemisphere(numbers[0], numbers[1]));
+            pdf = warp::cosine_pdf(dir.dot(vertex.normal_shading));
+            (crossing, lobe) = (numbers[2], numbers[3]);
+            if pdf <= 0.0 || dir.dot(vertex.normal_geom) <= 0.0 {
+                break;
+            }
+        }
+        (direct, indirect)
+    }
+
+    /// Direction at the first vertex with its density.
+    fn first_direction(&self, start: &Vertex, u: f32, v: f32) -> (Vec3, f32) {
+        if !self.sh1 {
+            let dir = warp::about(start.normal_shading, warp::cosine_hemisphere(u, v));
+            return (dir, warp::cosine_pdf(dir.dot(start.normal_shading)));
+        }
+        let local =
+            if u < 0.5 { warp::cosine_hemisphere(2.0 * u, v) } else { warp::uniform_hemisphere(2.0 * u - 1.0, v) };
+        let dir = warp::about(start.normal_shading, local);
+        let cos = dir.dot(start.normal_shading);
+        (dir, 0.5 * warp::cosine_pdf(cos) + 0.5 / TAU)
+    }
+
+    /// Radiance that the arrival emits towards `dir`'s origin, weighed against the draws made at `vertex`.
+    fn emitted(&self, vertex: &Vertex, dir: Vec3, pdf: f32, draws: f32, arrival: &Arrival) -> Vec3 {
+        match &arrival.hit {
+            None => {
+                let radiance = self.emitters.environment(dir);
+                if radiance == Vec3::ZERO {
+                    return Vec3::ZERO;
+                }
+                radiance * power_heuristic(pdf, draws * self.emitters.environment_pdf(dir))
+            }
+            Some((hit, place, surface)) if surface.emission != Vec3::ZERO => {
+                let drawn =
+                    self.emitters.finite_pdf(vertex.origin, vertex.normal_shading, dir, arrival.distance, hit, place);
+                surface.emission * power_heuristic(pdf, draws * drawn)
+            }
+            Some(_) => Vec3::ZERO,
+        }
+    }
+
+    /// One draw of a strategy made with probability `draws`: irradiance on a surface perpendicular to the way, the
+    /// direction, and the cosine at the vertex.
+    fn draw(
+        &self,
+        strategy: Strategy,
+        draws: f32,
+        vertex: &Vertex,
+        u: [f32; 3],
+        counters: &Counters,
+    ) -> Option<(Vec3, Vec3, f32)> {
+        let LightSample { target, irradiance, pdf } =
+            self.emitters.sample(self.tracer, strategy, vertex.origin, vertex.normal_shading, u)?;
+        let (ray, dir) = match target {
+            Target::Point(point) => {
+                let way = point - vertex.origin;
+                (Ray { origin: vertex.origin, dir: way, t_max: 1.0 }, way.try_normalize()?)
+            }
+            Target::Direction(dir) => (Ray { origin: vertex.origin, dir, t_max: f32::INFINITY }, dir),
+        };
+        let cos = dir.dot(vertex.normal_shading);
+        if cos <= 0.0 || dir.dot(vertex.normal_geom) <= 0.0 || irradiance == Vec3::ZERO {
+            return None;
+        }
+        counters.shadow_rays.set(counters.shadow_rays.get() + 1);
+        let passed = self.tracer.transmittance(&ray);
+        if passed == Vec3::ZERO {
+            return None;
+        }
+        let weight = pdf.map_or(1.0, |pdf| power_heuristic(draws * pdf, self.direction_pdf(cos, draws < 1.0)));
+        Some((irradiance * passed * (weight / draws), dir, cos))
+    }
+
+    /// Density with which the other strategy would have followed a direction at `cos` from the normal.
+    fn direction_pdf(&self, cos: f32, is_later_vertex: bool) -> f32 {
+        let cosine = warp::cosine_pdf(cos);
+        if self.sh1 && !is_later_vertex { 0.5 * cosine + 0.5 / TAU } else { cosine }
+    }
+
+    /// Straight on to the next surface that does not let the ray through.
+    fn travel(&self, mut origin: Vec3, dir: Vec3, mut crossing: f32, counters: &Counters) -> Arrival {
+        let (mut passed, mut distance, mut chords) = (Vec3::ONE, 0.0, Chords::default());
+        for _ in 0..MOST_CROSSINGS {
+            counters.rays.set(counters.rays.get() + 1);
+            let Some(mut hit) = self.tracer.closest_hit(&Ray { origin, dir, t_max: f32::INFINITY }) else {
+                let passed = passed * chords.transmittance(f32::INFINITY, dir);
+                return Arrival { hit: None, distance: f32::INFINITY, passed };
+            };
+            distance += hit.t;
+            hit.t = distance;
+            let place = self.tracer.place(hit.instance, hit.triangle, hit.barycentric);
+            let scene = self.tracer.scene();
+            let surface = Surface::at(scene, hit.instance, hit.triangle, hit.barycentric);
+            if surface.through != Vec3::ZERO {
+                let through = surface.through.max_element();
+                let through = through / (through + surface.reflect.max_element() + surface.transmit.max_element());
+                if crossing < through {
+                    crossing = (crossing / through).min(1.0 - f32::EPSILON);
+                    passed *= surface.through / through;
+                    chords.cross(scene.material_at(hit.instance, hit.triangle).volume_sigma_a, &hit);
+                    let ahead = place.normal_geom * if dir.dot(place.normal_geom) > 0.0 { 1.0 } else { -1.0 };
+                    origin = place.point.offset_along(ahead);
+                    continue;
+                }
+                passed /= 1.0 - through;
+            }
+            let passed = passed * chords.transmittance(distance, dir);
+            return Arrival { hit: Some((hit, place, seen_from(surface, scene, &hit))), distance, passed };
+        }
+        Arrival { hit: None, distance: f32::INFINITY, passed: Vec3::ZERO }
+    }
+
+    /// The vertex on the side from which reflected (or diffusely transmitted) light comes, and albedo over the
+    /// probability of that side.
+    fn scatter(&self, hit: &Hit, place: &Place, surface: &Surface, lobe: f32) -> Option<(Vertex, Vec3)> {
+        let (reflect, transmit) = (surface.reflect.max_element(), surface.transmit.max_element());
+        if reflect + transmit <= 0.0 {
+            return None;
+        }
+        let reflecting = reflect / (reflect + transmit);
+        let same_side = lobe < reflecting;
+        let weight = if same_side { surface.reflect / reflecting } else { surface.transmit / (1.0 - reflecting) };
+        let side = if hit.back_face == same_side { -1.0 } else { 1.0 };
+        Some((self.vertex(hit.instance, hit.triangle, hit.barycentric, place, side), weight))
+    }
+
+    /// The vertex at a surface point, on its front (`side` = 1) or back (−1).
+    pub fn vertex(&self, instance: u32, triangle: u32, barycentric: glam::Vec2, place: &Place, side: f32) -> Vertex {
+        let normal_geom = place.normal_geom * side;
+        let shading = self.tracer.shading_normal(instance, triangle, barycentric, place.normal_geom) * side;
+        Vertex { origin: place.point.offset_along(normal_geom), normal_geom, normal_shading: shading }
+    }
+
+    fn project(&self, sh1: &mut [Vec3; 4], dir: Vec3, radiance: Vec3) {
+        if self.sh1 {
+            let basis = [0.282_094_8, 0.488_602_5 * dir.y, 0.488_602_5 * dir.z, 0.488_602_5 * dir.x];
+            for (coefficient, y) in sh1.iter_mut().zip(basis) {
+                *coefficient += radiance * y;
+            }
+        }
+    }
+}
+
+/// A single-sided surface seen from behind neither reflects nor emits, it only blocks (and lets through what it did).
+fn seen_from(surface: Surface, scene: &crate::scene::Scene, hit: &Hit) -> Surface {
+    if hit.back_face && !scene.material_at(hit.instance, hit.triangle).double_sided {
+        return Surface { reflect: Vec3::ZERO, transmit: Vec3::ZERO, emission: Vec3::ZERO, ..surface };
+    }
+    surface
+}
+
+/// Weight of a strategy with density `own` beside one with density `other`.
+fn power_heuristic(own: f32, other: f32) -> f32 {
+    if other <= 0.0 {
+        return 1.0;
+    }
+    let ratio = other / own;
+    1.0 / (1.0 + ratio * ratio)
+}

@@ -1,0 +1,91 @@
+//! Which surface points of a texel light can be gathered from.
+//!
+//! A point most of whose rays meet back faces lies inside other geometry; a point that does not see the texel's first
+//! good point lies on the other side of a wall. Neither is used, so that no light passes through closed walls, and
+//! a texel without any good point is buried.
+
+use super::path::{Paths, Vertex};
+use super::sampler::hash;
+use super::warp;
+use crate::atlas::{Page, SurfacePoint, Texel};
+use crate::trace::Ray;
+use glam::{Vec2, Vec3};
+
+/// Rays per surface point.
+const RAYS: u32 = 16;
+/// Share of rays that must meet a back face for a point to be buried.
+const BURIED_SHARE: f32 = 0.5;
+
+/// A usable point: where paths start, and the cumulative share of samples up to it.
+#[derive(Debug, Clone, Copy)]
+pub struct Start {
+    /// Where the path starts.
+    pub vertex: Vertex,
+    /// Shares of this and all points before it; the last is 1.
+    pub cumulative: f32,
+}
+
+/// The usable points of a texel; empty when it is buried.
+pub fn starts(paths: &Paths, page: &Page, texel: &Texel) -> Vec<Start> {
+    let points = page.points_of(texel);
+    let seed = hash(u32::from(texel.x), u32::from(texel.y));
+    let mut good: Vec<(Vertex, f32)> = Vec::with_capacity(points.len());
+    for (index, point) in points.iter().enumerate() {
+        let vertex = vertex_at(paths, point);
+        let visible = good.first().is_none_or(|(first, _)| sees(paths, first, &vertex));
+        if visible && !is_buried(paths, &vertex, hash(seed, index as u32)) {
+            good.push((vertex, point.weight));
+        }
+    }
+    let total: f32 = good.iter().map(|(_, weight)| weight).sum();
+    let mut sum = 0.0;
+    good.iter()
+        .map(|&(vertex, weight)| {
+            sum += weight;
+            Start { vertex, cumulative: sum / total }
+        })
+        .collect()
+}
+
+/// The start that a number in [0, 1) falls on.
+pub fn pick(starts: &[Start], u: f32) -> &Vertex {
+    let index = starts.partition_point(|start| start.cumulative <= u).min(starts.len() - 1);
+    &starts[index].vertex
+}
+
+fn vertex_at(paths: &Paths, point: &SurfacePoint) -> Vertex {
+    let SurfacePoint { instance, triangle, barycentric, .. } = *point;
+    let place = paths.tracer.place(instance, triangle, barycentric);
+    paths.vertex(instance, triangle, barycentric, &place, 1.0)
+}
+
+/// Whether the way between two points of a texel is free. Points are lifted by a share of their distance, so that
+/// the texel's own curvature does not stand between them.
+fn sees(paths: &Paths, a: &Vertex, b: &Vertex) -> bool {
+    let lift = 0.25 * a.origin.distance(b.origin);
+    let (from, to) = (a.origin + lift * a.normal_geom, b.origin + lift * b.normal_geom);
+    let free = |origin: Vec3, end: Vec3| {
+        let dir = end - origin;
+        dir == Vec3::ZERO || paths.tracer.transmittance(&Ray { origin, dir, t_max: 1.0 }) != Vec3::ZERO
+    };
+    free(a.origin, from) && free(from, to) && free(to, b.origin)
+}
+
+/// Whether most rays from a point meet the back of single-sided surfaces.
+fn is_buried(paths: &Paths, vertex: &Vertex, seed: u32) -> bool {
+    let turn = hash(seed, 1) as f32 / u32::MAX as f32;
+    let backs = (0..RAYS)
+        .filter(|&i| {
+            let Vec2 { x: u, y: v } = Vec2::new((i as f32 + 0.5) / RAYS as f32, (i as f32 * 0.618_034 + turn).fract());
+            let dir = warp::about(vertex.normal_geom, warp::cosine_hemisphere(u, v));
+            meets_back(paths, vertex.origin, dir)
+        })
+        .count();
+    backs as f32 > BURIED_SHARE * RAYS as f32
+}
+
+fn meets_back(paths: &Paths, origin: Vec3, dir: Vec3) -> bool {
+    let Some(hit) = paths.tracer.closest_hit(&Ray { origin, dir, t_max: f32::INFINITY }) else { return false };
+    let material = paths.tracer.scene().material_at(hit.instance, hit.triangle);
+    hit.back_face && !material.double_sided && material.transmission == 0.0
+}
