@@ -58,7 +58,7 @@ fn series<T: Real>(z: Complex<T>) -> Complex<T> {
     for k in 1..200 {
         let k = T::of(f64::from(k));
         term = -z * term / k;
-        sum = sum - term / k;
+        sum -= term / k;
     }
     z.exp() * sum
 }
