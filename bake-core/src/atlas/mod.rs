@@ -11,20 +11,24 @@ mod build;
 mod density;
 mod flatten;
 mod layout;
+mod lookup;
 mod own;
 mod pack;
 mod points;
 mod raster;
 mod settings;
+#[cfg(test)]
+pub(crate) mod shapes;
 mod unwrap;
 
 pub use build::build;
+pub use lookup::Bilinear;
 pub use settings::{AtlasError, AtlasSettings, AtlasWarning, OwnUvProblem};
 
 use glam::Vec2;
 
 /// The layout of all lightmapped instances.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Atlas {
     /// Images to fill.
     pub pages: Vec<Page>,
@@ -36,7 +40,7 @@ pub struct Atlas {
 
 /// Lightmap coordinates of one mesh. Unwrapping may split vertices; triangles keep the order of the mesh.
 /// Instances share a layout when they cover the same texels: a mesh placed at several sizes has several layouts.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Layout {
     /// Index of the mesh.
     pub mesh: u32,
@@ -68,7 +72,7 @@ pub struct Placement {
 }
 
 /// One image of the atlas with the surface behind it.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Page {
     /// Texels across.
     pub width: u32,

@@ -1,1 +1,15 @@
-//! What is done to finished buffers: seams, dilation.
+//! What is done to finished buffers. First [`dilate`] gives values to texels that bilinear lookups read but no sample
+//! reached, then [`stitch`] makes the two sides of each cut agree; [`seam_score`] measures how well they do.
+
+mod dilate;
+mod score;
+mod seams;
+mod stitch;
+
+pub use dilate::dilate;
+pub use score::{SeamScore, seam_score};
+pub use seams::{Seam, SeamSide, find_seams};
+pub use stitch::stitch;
+
+#[cfg(test)]
+mod tests;

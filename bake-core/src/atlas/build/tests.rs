@@ -1,69 +1,9 @@
 //! Laws of the whole atlas on small scenes.
 
 use super::*;
-use crate::scene::{Instance, Mesh, Primitive};
+use crate::atlas::shapes::{block, scene_of, without_uv};
 use glam::{Affine3A, Vec3};
 use testkit::compare::Worst;
-
-fn mesh(positions: Vec<Vec3>, uv: Option<Vec<Vec2>>, triangles: Vec<[u32; 3]>) -> Mesh {
-    let n = positions.len();
-    let all = Primitive { triangles: 0..triangles.len() as u32, vertices: 0..n as u32, material: 0 };
-    Mesh {
-        name: "mesh 0".into(),
-        normals: vec![Vec3::Y; n],
-        has_texcoord_1: uv.is_some(),
-        texcoords: [vec![Vec2::ZERO; n], uv.unwrap_or_else(|| vec![Vec2::ZERO; n])],
-        colors: vec![glam::Vec4::ONE; n],
-        positions,
-        triangles,
-        primitives: vec![all],
-    }
-}
-
-fn scene_of(meshes: Vec<Mesh>, placed: &[(u32, Affine3A)]) -> Scene {
-    let instances = placed
-        .iter()
-        .enumerate()
-        .map(|(node, (mesh, world_from_object))| Instance {
-            path: format!("node {node}"),
-            node: node as u32,
-            mesh: *mesh,
-            world_from_object: *world_from_object,
-            lightmapped: true,
-        })
-        .collect();
-    Scene { meshes, instances, ..Scene::default() }
-}
-
-/// The box [0, size], its six faces apart in a 3 × 2 grid of UV cells with a margin.
-fn block(size: Vec3, margin: f32) -> Mesh {
-    let (mut positions, mut uv, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
-    for face in 0..6u32 {
-        let axis = face as usize / 2;
-        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-        let flip = face % 2 == 0;
-        for corner in [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]] {
-            let mut p = Vec3::ZERO;
-            p[axis] = if flip { 0.0 } else { 1.0 };
-            p[u] = corner[0];
-            p[v] = corner[1];
-            positions.push(p * size);
-            let cell = Vec2::new((face % 3) as f32 / 3.0, (face / 3) as f32 / 2.0);
-            let inner = Vec2::splat(margin) + Vec2::from(corner) * (1.0 - 2.0 * margin);
-            uv.push(cell + inner * Vec2::new(1.0 / 3.0, 0.5));
-        }
-        let v = |k: u32| 4 * face + k;
-        let quad = [[v(0), v(1), v(2)], [v(0), v(2), v(3)]];
-        triangles.extend(quad.map(|t| if flip { [t[0], t[2], t[1]] } else { t }));
-    }
-    mesh(positions, Some(uv), triangles)
-}
-
-fn without_uv(mut mesh: Mesh) -> Mesh {
-    mesh.has_texcoord_1 = false;
-    mesh.texcoords[1].fill(Vec2::ZERO);
-    mesh
-}
 
 /// Page coordinate of a surface point, in texels, by the way that readers of the atlas go.
 fn page_texel(atlas: &Atlas, point: &SurfacePoint) -> Vec2 {

@@ -2,85 +2,8 @@
 
 use super::super::layout::Islands;
 use super::super::raster;
+use super::super::shapes::{Soup, book, cobbles, helix, moebius, needles, soup, sphere, spiky};
 use super::*;
-use std::f32::consts::TAU;
-
-type Soup = (Vec<Vec3>, Vec<[u32; 3]>);
-
-/// A grid of (n + 1) × (m + 1) vertices, `place` giving each its position.
-fn grid(n: u32, m: u32, place: impl Fn(f32, f32) -> Vec3) -> Soup {
-    let at = |i: u32, j: u32| i * (m + 1) + j;
-    let positions = (0..=n)
-        .flat_map(|i| (0..=m).map(move |j| (i, j)))
-        .map(|(i, j)| place(i as f32 / n as f32, j as f32 / m as f32));
-    let quads = (0..n).flat_map(|i| (0..m).map(move |j| (i, j)));
-    let triangles = quads
-        .flat_map(|(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]);
-    (positions.collect(), triangles.collect())
-}
-
-fn sphere(n: u32) -> Soup {
-    grid(n, 2 * n, |u, v| {
-        let (polar, turn) = (u * TAU / 2.0, (v % 1.0) * TAU);
-        Vec3::new(polar.sin() * turn.cos(), polar.cos(), polar.sin() * turn.sin())
-    })
-}
-
-fn moebius(n: u32) -> Soup {
-    grid(n, 4, |u, v| {
-        let (turn, across) = (u * TAU, v - 0.5);
-        let (half, r) = (turn / 2.0, 1.0);
-        let out = r + across * half.cos();
-        Vec3::new(out * turn.cos(), across * half.sin(), out * turn.sin())
-    })
-}
-
-/// A floor of rounded cobbles.
-fn cobbles(n: u32) -> Soup {
-    grid(n, n, |u, v| {
-        let bump = |t: f32| (1.0 - ((t * 40.0).fract() * 2.0 - 1.0).powi(2)).max(0.0).sqrt();
-        Vec3::new(20.0 * u, 0.1 * bump(u) * bump(v), 20.0 * v)
-    })
-}
-
-fn soup(n: u32) -> Soup {
-    let at = |i, k| Vec3::from_array([0u32, 1, 2].map(|d| sobol_burley::sample(i, 3 * k + d, 5)));
-    let positions = (0..n).flat_map(|i| [0u32, 1, 2].map(|k| at(i, 0) * 10.0 + at(i, k + 1))).collect();
-    (positions, (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
-}
-
-/// Noise that turns steeply from triangle to triangle.
-fn spiky(n: u32) -> Soup {
-    let size = n as f32;
-    grid(n, n, |u, v| Vec3::new(u, 0.3 * sobol_burley::sample((u * size * size + v * size) as u32, 0, 3), v))
-}
-
-/// Pages that meet in one edge: not a manifold.
-fn book(pages: u32) -> Soup {
-    let mut positions = vec![Vec3::ZERO, Vec3::Z];
-    let mut triangles = Vec::new();
-    for i in 0..pages {
-        let (sin, cos) = (i as f32 / pages as f32 * TAU).sin_cos();
-        positions.extend([Vec3::new(cos, sin, 0.0), Vec3::new(cos, sin, 1.0)]);
-        triangles.extend([[0, 2 + 2 * i, 3 + 2 * i], [0, 3 + 2 * i, 1]]);
-    }
-    (positions, triangles)
-}
-
-/// A ramp that winds over itself: faces one way everywhere, so that a projection covers itself.
-fn helix(n: u32, turns: f32) -> Soup {
-    grid(n, 2, |u, v| {
-        let (sin, cos) = (u * turns * TAU).sin_cos();
-        Vec3::new((1.0 + v) * cos, u * turns, (1.0 + v) * sin)
-    })
-}
-
-/// A fan of triangles a hundred thousand times longer than wide.
-fn needles(n: u32) -> Soup {
-    let positions = (0..=n).flat_map(|i| [Vec3::new(1e-4 * i as f32, 0.0, 0.0), Vec3::new(1e-4 * i as f32, 0.0, 10.0)]);
-    let triangles = (0..n).flat_map(|i| [[2 * i, 2 * i + 1, 2 * i + 2], [2 * i + 2, 2 * i + 1, 2 * i + 3]]);
-    (positions.collect(), triangles.collect())
-}
 
 fn long() -> bool {
     std::env::var("BAKE_LONG").as_deref() == Ok("1")
