@@ -60,14 +60,31 @@ impl Row {
     }
 }
 
+/// Cells of a line; commas within double quotes belong to their cell.
+fn cells(line: &str) -> Vec<String> {
+    let mut quoted = false;
+    let split = line.split(|c| {
+        quoted ^= c == '"';
+        c == ',' && !quoted
+    });
+    split.map(|cell| cell.trim().trim_matches('"').to_owned()).collect()
+}
+
 /// Reads a comma separated file with one header line; lines starting with `#` are skipped. Panics when unreadable.
 pub fn read_csv(path: &Path) -> Vec<Row> {
     let text = fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let mut lines = text.lines().filter(|line| !line.starts_with('#') && !line.trim().is_empty());
-    let split = |line: &str| line.split(',').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
-    let header = std::rc::Rc::new(split(lines.next().unwrap_or_else(|| panic!("{}: empty", path.display()))));
-    let rows: Vec<Row> = lines.map(|line| Row { header: header.clone(), cells: split(line) }).collect();
+    let header = std::rc::Rc::new(cells(lines.next().unwrap_or_else(|| panic!("{}: empty", path.display()))));
+    let rows: Vec<Row> = lines.map(|line| Row { header: header.clone(), cells: cells(line) }).collect();
     assert!(rows.iter().all(|row| row.cells.len() == row.header.len()), "{}: ragged rows", path.display());
     assert!(!rows.is_empty(), "{}: no rows", path.display());
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn quoted_commas_stay_in_their_cell() {
+        assert_eq!(super::cells("1.0, inf,\"hard:a, b\",x"), ["1.0", "inf", "hard:a, b", "x"]);
+    }
 }

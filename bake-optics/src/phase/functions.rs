@@ -15,6 +15,13 @@ pub fn linear<T: Real>(a1: T, cos_theta: T) -> T {
     (T::one() + a1 * cos_theta) * isotropic::<T>()
 }
 
+/// [`linear`] as a sum of positive terms, `(1 − |a1|) + |a1| (1 ± μ)`, upper sign for a1 ≥ 0: all digits also where it vanishes.
+#[inline]
+pub fn linear_deflected<T: Real>(a1: T, deflection: Deflection<T>) -> T {
+    let from_zero = if a1 >= T::zero() { deflection.one_plus_cos } else { deflection.one_minus_cos };
+    (T::one() - a1.abs() + a1.abs() * from_zero) * isotropic::<T>()
+}
+
 /// 3 (1 + μ²)/(16π) (Rayleigh 1871, unpolarised).
 #[inline]
 pub fn rayleigh<T: Real>(cos_theta: T) -> T {

@@ -9,7 +9,7 @@ mod sample;
 mod scaling;
 
 pub use deflection::Deflection;
-pub use functions::{henyey_greenstein, henyey_greenstein_deflected, isotropic, linear, rayleigh};
+pub use functions::{henyey_greenstein, henyey_greenstein_deflected, isotropic, linear, linear_deflected, rayleigh};
 pub use sample::{PhaseSample, sample_henyey_greenstein, sample_linear, sample_rayleigh};
 pub use scaling::Reduced;
 
@@ -64,7 +64,7 @@ impl<T: Real> Phase<T> {
     pub fn eval_deflected(&self, deflection: Deflection<T>) -> T {
         match self {
             Self::Isotropic => isotropic(),
-            Self::Linear { a1 } => linear(*a1, deflection.cos_theta),
+            Self::Linear { a1 } => linear_deflected(*a1, deflection),
             Self::Rayleigh => rayleigh(deflection.cos_theta),
             Self::HenyeyGreenstein { g } => henyey_greenstein_deflected(*g, deflection),
             Self::Legendre(a) => legendre::series(a, deflection.cos_theta) * isotropic::<T>(),

@@ -1,0 +1,34 @@
+//! The method that everyone uses: equal steps along the ray.
+
+use crate::Real;
+use crate::airlight::{Air, Airlight, Lamp, Sight};
+
+/// Air-light by `steps` midpoints at equal distances.
+///
+/// *Domain*: as [`crate::airlight::Quadrature`]; an infinite ray is marched as far as optical depth 12.
+/// *Accuracy*: second order in the step where the step is below the lamp's distance from the ray, useless above: with 32
+/// steps errors of per cents are usual. Here as baseline. *Cost*: one square root, one exponential, the phase function a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RayMarch {
+    /// Number of steps, ≥ 1.
+    pub steps: usize,
+}
+
+impl<T: Real, A: Air<T> + ?Sized, E: Lamp<T>> Airlight<T, A, E> for RayMarch {
+    fn radiance(&self, sight: &Sight<T>, lamp: &E, air: &A) -> T {
+        if sight.meets_lamp() {
+            return T::infinity();
+        }
+        let step = air.end(sight, T::of(12.0)) / T::of(self.steps as f64);
+        let square = sight.h * sight.h;
+        let mut sum = T::zero();
+        for i in 0..self.steps {
+            let point = sight.point(step * T::of(i as f64 + 0.5));
+            let z = sight.z + point.s;
+            let intensity = lamp.intensity(sight.cos_axis(&point));
+            let light = air.scattering(point.s, point.deflection) * air.transmittance(&point);
+            sum += intensity * light / (z * z + square);
+        }
+        sum * step * air.common_transmittance(sight)
+    }
+}

@@ -1,0 +1,1 @@
+//! Eight rays at once in f32.
