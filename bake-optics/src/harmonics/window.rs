@@ -1,6 +1,7 @@
 //! Windows against ringing: a factor per band that trades sharpness for fewer ripples and negative values.
 
-use super::zonal::{zonal_eval, zonal_norm};
+use super::factors::zonal_norm;
+use super::zonal::zonal_eval;
 use crate::real::Real;
 
 /// A factor per band l, 1 at l = 0, falling.

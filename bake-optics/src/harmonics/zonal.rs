@@ -1,14 +1,9 @@
 //! Functions of the angle about one axis, as N zonal coefficients z_l: evaluation, products, rotation, cosine lobes.
 
+use super::factors::zonal_norm;
 use super::real_sh::real_sh_into;
 use crate::legendre::{half_range_moments, legendre, legendre_all, legendre_next};
 use crate::real::Real;
-
-/// `sqrt((2l+1)/(4π))`: y_l at its axis.
-#[inline]
-pub fn zonal_norm<T: Real>(l: usize) -> T {
-    (T::of((2 * l + 1) as f64) * T::FRAC_1_PI() * T::of(0.25)).sqrt()
-}
 
 /// `y_l(c) = sqrt((2l+1)/(4π)) P_l(c)`, the orthonormal zonal harmonic Y_l0 about its axis.
 pub fn y_zonal<T: Real>(l: usize, cos_angle: T) -> T {
