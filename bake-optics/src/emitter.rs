@@ -90,6 +90,41 @@ impl<T: Real> Emitter<T> {
     }
 }
 
+/// Why a lamp's distribution was refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("lamp parameter {field} is {value}; it must be {allowed}")]
+pub struct EmitterError {
+    /// Which parameter.
+    pub field: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// The range, in words.
+    pub allowed: &'static str,
+}
+
+impl<T: Real> Emitter<T> {
+    /// Whether the parameters lie in their domain. A table has been checked when it was made.
+    pub fn check(&self) -> Result<(), EmitterError> {
+        let refuse = |field, value: T, allowed| Err(EmitterError { field, value: value.as_f64(), allowed });
+        match self {
+            Self::SpotCone { cos_inner, .. } if !(cos_inner.abs() <= T::one()) => {
+                refuse("cos_inner", *cos_inner, "a cosine, from -1 to 1")
+            }
+            Self::SpotCone { cos_inner, cos_outer } if !(*cos_outer >= -T::one() && cos_outer <= cos_inner) => {
+                refuse("cos_outer", *cos_outer, "a cosine, from -1 to cos_inner")
+            }
+            Self::CosinePower { exponent } if !(*exponent >= T::zero() && exponent.is_finite()) => {
+                refuse("exponent", *exponent, "finite and at least 0")
+            }
+            Self::Legendre(terms) => match terms.iter().find(|c| !c.is_finite()) {
+                Some(&c) => refuse("Legendre term", c, "finite"),
+                None => Ok(()),
+            },
+            _ => Ok(()),
+        }
+    }
+}
+
 /// glTF spot cone: `clamp((c − cos_outer)/(cos_inner − cos_outer), 0, 1)²`; a step at `cos_outer` where both are equal.
 #[inline]
 pub fn spot_cone<T: Real>(cos_inner: T, cos_outer: T, cos_axis: T) -> T {

@@ -3,11 +3,13 @@
 //! `cos_theta` is the cosine of the **deflection** angle between directions of propagation: +1 is straight on, `g > 0` is
 //! forward. Every phase function is normalised, `2π ∫_{−1}^{1} Φ dμ = 1`, unit 1/sr.
 
+mod check;
 mod deflection;
 mod functions;
 mod sample;
 mod scaling;
 
+pub use check::PhaseError;
 pub use deflection::Deflection;
 pub use functions::{henyey_greenstein, henyey_greenstein_deflected, isotropic, linear, linear_deflected, rayleigh};
 pub use sample::{PhaseSample, sample_henyey_greenstein, sample_linear, sample_rayleigh};
