@@ -106,14 +106,15 @@ impl<T: Real> Emitter<T> {
     /// Whether the parameters lie in their domain. A table has been checked when it was made.
     pub fn check(&self) -> Result<(), EmitterError> {
         let refuse = |field, value: T, allowed| Err(EmitterError { field, value: value.as_f64(), allowed });
+        let cosines = -T::one()..=T::one();
         match self {
-            Self::SpotCone { cos_inner, .. } if !(cos_inner.abs() <= T::one()) => {
+            Self::SpotCone { cos_inner, .. } if !cosines.contains(cos_inner) => {
                 refuse("cos_inner", *cos_inner, "a cosine, from -1 to 1")
             }
-            Self::SpotCone { cos_inner, cos_outer } if !(*cos_outer >= -T::one() && cos_outer <= cos_inner) => {
+            Self::SpotCone { cos_inner, cos_outer } if !(-T::one()..=*cos_inner).contains(cos_outer) => {
                 refuse("cos_outer", *cos_outer, "a cosine, from -1 to cos_inner")
             }
-            Self::CosinePower { exponent } if !(*exponent >= T::zero() && exponent.is_finite()) => {
+            Self::CosinePower { exponent } if !(T::zero()..T::infinity()).contains(exponent) => {
                 refuse("exponent", *exponent, "finite and at least 0")
             }
             Self::Legendre(terms) => match terms.iter().find(|c| !c.is_finite()) {

@@ -34,9 +34,12 @@ impl<T: Real> Phase<T> {
     /// A series may still be negative somewhere, as a truncated peak is. A table has been checked when it was made.
     pub fn check(&self) -> Result<(), PhaseError> {
         let refuse = |field, value: T, allowed| Err(PhaseError::Parameter { field, value: value.as_f64(), allowed });
+        let (zero, one) = (T::zero(), T::one());
         match self {
-            Self::Linear { a1 } if !(a1.abs() <= T::one()) => refuse("a1", *a1, "from -1 to 1"),
-            Self::HenyeyGreenstein { g } if !(g.abs() < T::one()) => refuse("g", *g, "between -1 and 1, ends excluded"),
+            Self::Linear { a1 } if !(zero..=one).contains(&a1.abs()) => refuse("a1", *a1, "from -1 to 1"),
+            Self::HenyeyGreenstein { g } if !(zero..one).contains(&g.abs()) => {
+                refuse("g", *g, "between -1 and 1, ends excluded")
+            }
             Self::Legendre(terms) => check_terms(terms),
             _ => Ok(()),
         }
@@ -46,10 +49,10 @@ impl<T: Real> Phase<T> {
 fn check_terms<T: Real>(terms: &[T]) -> Result<(), PhaseError> {
     let refuse = |index, value, allowed| Err(PhaseError::Term { index, value, allowed });
     let first = terms.first().map_or(0.0, |a| a.as_f64());
-    if !((first - 1.0).abs() <= 1e-6) {
+    if !(1.0 - 1e-6..=1.0 + 1e-6).contains(&first) {
         return refuse(0, first, "it must be 1, so that the phase function integrates to 1");
     }
-    let impossible = |(l, a): &(usize, &T)| !(a.as_f64().abs() <= (2 * l + 1) as f64 * (1.0 + 1e-6));
+    let impossible = |(l, a): &(usize, &T)| !(0.0..=(2 * l + 1) as f64 * (1.0 + 1e-6)).contains(&a.as_f64().abs());
     match terms.iter().enumerate().find(impossible) {
         Some((l, a)) => refuse(l, a.as_f64(), "it must lie from -(2l+1) to 2l+1: its moment is a mean of P_l"),
         None => Ok(()),
