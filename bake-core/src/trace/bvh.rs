@@ -36,12 +36,15 @@ struct Node {
 
 const ABSENT: u32 = u32::MAX;
 
+/// A place in leaf order that holds no primitive.
+pub const GAP: u32 = u32::MAX;
+
 /// A tree over primitives that the caller holds in the order of [`Bvh::order`].
 #[derive(Debug, Clone, Default)]
 pub struct Bvh {
     nodes: Vec<Node>,
     levels: usize,
-    /// For each place in leaf order, the index of the primitive given to `build`.
+    /// For each place in leaf order, the index of the primitive given to `build`, or [`GAP`].
     pub order: Vec<u32>,
 }
 
@@ -86,7 +89,7 @@ impl BoxRay {
 }
 
 impl Bvh {
-    /// Builds the tree. Leaves hold at most `leaf_size` primitives.
+    /// Builds the tree. Leaves hold at most `leaf_size` primitives and start at multiples of it.
     pub fn build(boxes: &[Bounds], leaf_size: u32) -> Self {
         if boxes.is_empty() {
             return Self::default();
@@ -98,7 +101,7 @@ impl Bvh {
         };
         let tree = build_bvh2(boxes, params, &mut Duration::default());
         let largest = boxes.iter().map(|b| b.min.abs().max(b.max.abs()).max_element()).fold(0.0, f32::max);
-        let mut collapse = Collapse { tree: &tree, growth: largest * BOX_GROWTH, bvh: Self::default() };
+        let mut collapse = Collapse { tree: &tree, growth: largest * BOX_GROWTH, leaf_size, bvh: Self::default() };
         collapse.root();
         assert!(3 * collapse.bvh.levels < DEEP_STACK, "a tree of {} levels", collapse.bvh.levels);
         collapse.bvh
@@ -168,6 +171,7 @@ impl Node {
 struct Collapse<'t> {
     tree: &'t Bvh2,
     growth: f32,
+    leaf_size: u32,
     bvh: Bvh,
 }
 
@@ -208,6 +212,7 @@ impl Collapse<'_> {
                 let start = self.bvh.order.len() as u32;
                 let range = node.first_index as usize..(node.first_index + node.prim_count) as usize;
                 self.bvh.order.extend_from_slice(&self.tree.primitive_indices[range]);
+                self.bvh.order.resize((start + self.leaf_size) as usize, GAP);
                 (start, node.prim_count)
             } else {
                 (self.node(&self.widen(child), level + 1), 0)

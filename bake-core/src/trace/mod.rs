@@ -11,14 +11,11 @@ pub mod passage;
 pub mod triangle;
 
 use crate::scene::{AlphaMode, Scene};
-use bvh::{Bounds, BoxRay, Bvh};
+use bvh::{Bounds, BoxRay, Bvh, GAP};
 use glam::{Affine3A, Vec2, Vec3};
 use offset::UncertainPoint;
 use passage::{Passage, is_cut_away};
-use triangle::Shear;
-
-/// Primitives per leaf of a mesh's tree.
-const LEAF_TRIANGLES: u32 = 4;
+use triangle::{LANES, Pack, Shear};
 
 /// A segment in world space.
 #[derive(Debug, Clone, Copy)]
@@ -55,14 +52,13 @@ pub struct Place {
     pub normal_geom: Vec3,
 }
 
-/// Triangles under one tree, in its leaf order.
+/// Triangles under one tree: a pack for each leaf.
 struct Blas {
     bvh: Bvh,
-    vertices: Vec<[Vec3; 3]>,
-    ids: Vec<TriangleId>,
+    packs: Vec<(Pack, [TriangleId; LANES])>,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct TriangleId {
     /// Of the scene, or unused in shared meshes.
     instance: u32,
@@ -199,9 +195,15 @@ impl Placed {
 impl Blas {
     fn build(triangles: Vec<([Vec3; 3], TriangleId)>) -> Self {
         let boxes: Vec<Bounds> = triangles.iter().map(|(vertices, _)| Bounds::of(*vertices)).collect();
-        let bvh = Bvh::build(&boxes, LEAF_TRIANGLES);
-        let (vertices, ids) = bvh.order.iter().map(|&index| triangles[index as usize]).unzip();
-        Self { bvh, vertices, ids }
+        let bvh = Bvh::build(&boxes, LANES as u32);
+        let pack = |leaf: &[u32]| {
+            let members = || leaf.iter().filter(|&&index| index != GAP).map(|&index| triangles[index as usize]);
+            let mut ids = [TriangleId::default(); LANES];
+            ids.iter_mut().zip(members()).for_each(|(id, (_, member))| *id = member);
+            (Pack::new(members().map(|(vertices, _)| vertices)), ids)
+        };
+        let packs = bvh.order.chunks(LANES).map(pack).collect();
+        Self { bvh, packs }
     }
 
     fn of_mesh(scene: &Scene, index: usize) -> Self {
@@ -239,18 +241,17 @@ impl Blas {
         let shear = Shear::new(ray.origin, ray.dir);
         let t_max = best.map_or(ray.t_max, |hit| hit.t);
         self.bvh.traverse(box_ray, t_max, |range, mut reach| {
-            for place in range {
-                let Some(at) = shear.intersect(&self.vertices[place], reach) else { continue };
-                let id = &self.ids[place];
-                let hit = id.hit(instance, at);
+            let (pack, ids) = &self.packs[range.start / LANES];
+            shear.intersect(pack, reach, |lane, at| {
+                let hit = ids[lane].hit(instance, at);
                 let nearer = best.is_none_or(|b| {
                     hit.t < b.t || (hit.t == b.t && (hit.instance, hit.triangle) < (b.instance, b.triangle))
                 });
-                if nearer && !(id.permeable && is_cut_away(scene, &hit)) {
+                if nearer && !(ids[lane].permeable && is_cut_away(scene, &hit)) {
                     *best = Some(hit);
                     reach = hit.t;
                 }
-            }
+            });
             reach
         });
     }
@@ -260,19 +261,15 @@ impl Blas {
     fn pass(&self, scene: &Scene, instance: Option<u32>, box_ray: &BoxRay, ray: &Ray, passage: &mut Passage) {
         let shear = Shear::new(ray.origin, ray.dir);
         self.bvh.traverse(box_ray, ray.t_max, |range, reach| {
-            for place in range {
-                let Some(at) = shear.intersect(&self.vertices[place], reach) else { continue };
-                let id = &self.ids[place];
-                if id.permeable {
-                    passage.cross(scene, &id.hit(instance, at));
+            let (pack, ids) = &self.packs[range.start / LANES];
+            shear.intersect(pack, reach, |lane, at| {
+                if ids[lane].permeable {
+                    passage.cross(scene, &ids[lane].hit(instance, at));
                 } else {
                     passage.blocked = true;
                 }
-                if passage.blocked {
-                    return -1.0;
-                }
-            }
-            reach
+            });
+            if passage.blocked { -1.0 } else { reach }
         });
     }
 }

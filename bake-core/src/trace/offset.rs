@@ -83,7 +83,7 @@ impl AbsColumns for glam::Mat3A {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::triangle::Shear;
+    use crate::trace::triangle::{Pack, Shear};
 
     #[test]
     fn rays_that_leave_a_triangle_do_not_meet_it_again() {
@@ -97,7 +97,11 @@ mod tests {
                 let (u, v) = (0.5 * (f * 0.618).fract(), 0.5 * (f * 0.754).fract());
                 let point = UncertainPoint::on_triangle(&triangle, u, v);
                 let dir = Vec3::new((f * 1.3).cos(), (f * 0.123).fract().powi(4), (f * 1.3).sin());
-                let meets = |origin: Vec3| Shear::new(origin, dir).intersect(&triangle, f32::INFINITY).is_some();
+                let meets = |origin: Vec3| {
+                    let mut met = false;
+                    Shear::new(origin, dir).intersect(&Pack::new([triangle]), f32::INFINITY, |_, _| met = true);
+                    met
+                };
                 met += u32::from(meets(point.offset_along(Vec3::Y)));
                 met_unmoved += u32::from(meets(unmoved(&point)));
             }

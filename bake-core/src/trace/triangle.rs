@@ -1,17 +1,43 @@
-//! Watertight ray–triangle test.
+//! Watertight ray–triangle test, four triangles at once.
 //!
 //! A ray that passes through a vertex or an edge shared by two triangles hits at least one of them, because both see
 //! exactly the same rounded edge function there. Source: Woop, Benthin and Wald 2013, "Watertight Ray/Triangle
 //! Intersection", with their double-precision fallback where an edge function is zero.
 
 use glam::Vec3;
+use wide::f32x4;
+
+/// Triangles tested together.
+pub const LANES: usize = 4;
+
+/// Up to four triangles by vertex, axis and lane. Empty lanes are NaN and never hit.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(16))]
+pub struct Pack {
+    vertices: [[[f32; LANES]; 3]; 3],
+}
+
+impl Pack {
+    /// Packs up to four triangles.
+    pub fn new(triangles: impl IntoIterator<Item = [Vec3; 3]>) -> Self {
+        let mut vertices = [[[f32::NAN; LANES]; 3]; 3];
+        for (lane, triangle) in triangles.into_iter().enumerate() {
+            for (vertex, position) in triangle.iter().enumerate() {
+                for axis in 0..3 {
+                    vertices[vertex][axis][lane] = position[axis];
+                }
+            }
+        }
+        Self { vertices }
+    }
+}
 
 /// The shear that turns a ray into +z through the origin, made once a ray.
 #[derive(Debug, Clone, Copy)]
 pub struct Shear {
-    origin: Vec3,
+    origin: [f32x4; 3],
     axes: [usize; 3],
-    shear: Vec3,
+    shear: [f32x4; 3],
 }
 
 /// Where a ray meets a triangle.
@@ -42,47 +68,63 @@ impl Shear {
         if dir[z] < 0.0 {
             std::mem::swap(&mut x, &mut y); // keeps the winding
         }
-        Self { origin, axes: [x, y, z], shear: Vec3::new(dir[x] / dir[z], dir[y] / dir[z], 1.0 / dir[z]) }
+        let splat = |axis: usize| f32x4::splat(origin[axis]);
+        let shear = [dir[x] / dir[z], dir[y] / dir[z], 1.0 / dir[z]].map(f32x4::splat);
+        Self { origin: [splat(x), splat(y), splat(z)], axes: [x, y, z], shear }
     }
 
-    /// A vertex in the ray's sheared frame.
+    /// A vertex of every lane in the ray's sheared frame.
     #[inline(always)]
-    fn place(&self, vertex: Vec3) -> Vec3 {
-        let p = vertex - self.origin;
-        let [x, y, z] = self.axes;
-        let (px, py, pz) = (p[x], p[y], p[z]);
-        Vec3::new(px - self.shear.x * pz, py - self.shear.y * pz, self.shear.z * pz)
+    fn place(&self, vertex: &[[f32; LANES]; 3]) -> [f32x4; 3] {
+        let from_origin = |i: usize| f32x4::new(vertex[self.axes[i]]) - self.origin[i];
+        let z = from_origin(2);
+        [from_origin(0) - self.shear[0] * z, from_origin(1) - self.shear[1] * z, self.shear[2] * z]
     }
 
-    /// The hit with 0 < t ≤ `t_max`, from either side; degenerate triangles are never hit.
+    /// Calls `found` for every lane hit with 0 < t ≤ `t_max`, from either side; degenerate triangles are never hit.
     #[inline(always)]
-    pub fn intersect(&self, triangle: &[Vec3; 3], t_max: f32) -> Option<TriangleHit> {
-        let (a, b, c) = (self.place(triangle[0]), self.place(triangle[1]), self.place(triangle[2]));
-        let mut u = c.x * b.y - c.y * b.x;
-        let mut v = a.x * c.y - a.y * c.x;
-        let mut w = b.x * a.y - b.y * a.x;
-        if u == 0.0 || v == 0.0 || w == 0.0 {
-            u = edge(c, b);
-            v = edge(a, c);
-            w = edge(b, a);
+    pub fn intersect(&self, pack: &Pack, t_max: f32, mut found: impl FnMut(usize, TriangleHit)) {
+        let [a, b, c] = [0, 1, 2].map(|i| self.place(&pack.vertices[i]));
+        let mut u = c[0] * b[1] - c[1] * b[0];
+        let mut v = a[0] * c[1] - a[1] * c[0];
+        let mut w = b[0] * a[1] - b[1] * a[0];
+        let zero = f32x4::ZERO;
+        if (u.simd_eq(zero) | v.simd_eq(zero) | w.simd_eq(zero)).any() {
+            [u, v, w] = [edges(c, b), edges(a, c), edges(b, a)];
         }
-        let (low, high) = (u.min(v).min(w), u.max(v).max(w));
-        if low < 0.0 && high > 0.0 {
-            return None;
-        }
+        let one_side = u.simd_ge(zero) & v.simd_ge(zero) & w.simd_ge(zero);
+        let other_side = u.simd_le(zero) & v.simd_le(zero) & w.simd_le(zero);
         let det = u + v + w;
-        if det == 0.0 {
-            return None;
+        let inside = (one_side | other_side) & det.simd_ne(zero);
+        if !inside.any() {
+            return;
         }
-        let t = (u * a.z + v * b.z + w * c.z) / det;
-        (t > 0.0 && t <= t_max).then(|| TriangleHit { t, u: v / det, v: w / det, clockwise: det < 0.0 })
+        let t = (u * a[2] + v * b[2] + w * c[2]) / det;
+        let hits = (inside & t.simd_gt(zero) & t.simd_le(f32x4::splat(t_max))).to_bitmask();
+        if hits == 0 {
+            return;
+        }
+        let (t, u, v, det) = (t.to_array(), (v / det).to_array(), (w / det).to_array(), det.to_array());
+        for lane in 0..LANES {
+            if hits >> lane & 1 == 1 {
+                found(lane, TriangleHit { t: t[lane], u: u[lane], v: v[lane], clockwise: det[lane] < 0.0 });
+            }
+        }
     }
 }
 
-/// Edge function p × q with products in double precision, where they are exact.
+/// Edge functions p × q of every lane with products in double precision, where they are exact.
 #[cold]
-fn edge(p: Vec3, q: Vec3) -> f32 {
-    (f64::from(p.x) * f64::from(q.y) - f64::from(p.y) * f64::from(q.x)) as f32
+fn edges(p: [f32x4; 3], q: [f32x4; 3]) -> f32x4 {
+    let [px, py, qx, qy] = [p[0], p[1], q[0], q[1]].map(f32x4::to_array);
+    f32x4::new(std::array::from_fn(|i| edge(px[i], py[i], qx[i], qy[i])))
+}
+
+/// A zero only where the exact value is zero.
+fn edge(px: f32, py: f32, qx: f32, qy: f32) -> f32 {
+    let exact = f64::from(px) * f64::from(qy) - f64::from(py) * f64::from(qx);
+    let rounded = exact as f32;
+    if rounded == 0.0 && exact != 0.0 { f32::MIN_POSITIVE * exact.signum() as f32 } else { rounded }
 }
 
 #[cfg(test)]
@@ -91,11 +133,28 @@ mod tests {
 
     const TRIANGLE: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
 
+    /// The hit of one triangle, whatever lane it is in.
+    fn meet(origin: Vec3, dir: Vec3, triangle: &[Vec3; 3], t_max: f32) -> Option<TriangleHit> {
+        let far = triangle.map(|p| p + Vec3::splat(1e3));
+        let mut hits = Vec::new();
+        for lane in 0..LANES {
+            let mut triangles = [far; LANES];
+            triangles[lane] = *triangle;
+            Shear::new(origin, dir)
+                .intersect(&Pack::new(triangles), t_max, |at, hit| hits.push((at == lane).then_some(hit)));
+        }
+        Shear::new(origin, dir)
+            .intersect(&Pack::new([*triangle]), t_max, |at, hit| hits.push((at == 0).then_some(hit)));
+        assert!(hits.is_empty() || hits.len() == LANES + 1);
+        assert!(hits.windows(2).all(|pair| pair[0] == pair[1]));
+        hits.first().copied().map(|hit| hit.expect("the lane that was given"))
+    }
+
     #[test]
     fn barycentrics_and_winding() {
-        let hit = Shear::new(Vec3::new(0.25, 0.5, 2.0), Vec3::NEG_Z).intersect(&TRIANGLE, 10.0).unwrap();
+        let hit = meet(Vec3::new(0.25, 0.5, 2.0), Vec3::NEG_Z, &TRIANGLE, 10.0).unwrap();
         assert_eq!(hit, TriangleHit { t: 2.0, u: 0.25, v: 0.5, clockwise: false });
-        let back = Shear::new(Vec3::new(0.25, 0.5, -2.0), Vec3::Z).intersect(&TRIANGLE, 10.0).unwrap();
+        let back = meet(Vec3::new(0.25, 0.5, -2.0), Vec3::Z, &TRIANGLE, 10.0).unwrap();
         assert_eq!(back, TriangleHit { t: 2.0, u: 0.25, v: 0.5, clockwise: true });
     }
 
@@ -105,16 +164,16 @@ mod tests {
             let (e1, e2) = axis.any_orthonormal_pair();
             let triangle = if e1.cross(e2).dot(axis) > 0.0 { [Vec3::ZERO, e1, e2] } else { [Vec3::ZERO, e2, e1] };
             let above = 0.2 * e1 + 0.2 * e2 + axis;
-            assert!(!Shear::new(above, -axis).intersect(&triangle, 2.0).unwrap().clockwise);
+            assert!(!meet(above, -axis, &triangle, 2.0).unwrap().clockwise);
             let below = 0.2 * e1 + 0.2 * e2 - axis;
-            assert!(Shear::new(below, axis).intersect(&triangle, 2.0).unwrap().clockwise);
+            assert!(meet(below, axis, &triangle, 2.0).unwrap().clockwise);
         }
     }
 
     #[test]
     fn nothing_behind_or_beyond() {
-        assert!(Shear::new(Vec3::new(0.2, 0.2, -1.0), Vec3::NEG_Z).intersect(&TRIANGLE, 10.0).is_none());
-        assert!(Shear::new(Vec3::new(0.2, 0.2, 1.0), Vec3::NEG_Z).intersect(&TRIANGLE, 0.5).is_none());
-        assert!(Shear::new(Vec3::new(0.2, 0.2, 1.0), Vec3::NEG_Z).intersect(&[Vec3::X; 3], 9.0).is_none());
+        assert!(meet(Vec3::new(0.2, 0.2, -1.0), Vec3::NEG_Z, &TRIANGLE, 10.0).is_none());
+        assert!(meet(Vec3::new(0.2, 0.2, 1.0), Vec3::NEG_Z, &TRIANGLE, 0.5).is_none());
+        assert!(meet(Vec3::new(0.2, 0.2, 1.0), Vec3::NEG_Z, &[Vec3::X; 3], 9.0).is_none());
     }
 }
