@@ -4,7 +4,31 @@
 //! every index is in range, every number is finite, directions are unit vectors, albedos lie in [0, 1],
 //! every mesh has at least one triangle, transforms are invertible.
 
+mod accessor;
+mod buffers;
+mod container;
+mod document;
+mod draco;
+mod environment;
+mod error;
+mod extensions;
+mod files;
+mod ies;
+mod image;
+mod light;
+mod load;
+mod material;
+mod mesh;
+mod nodes;
+mod options;
+mod primitive;
 pub mod surface;
+mod warning;
+
+pub use error::{Fault, LoadError};
+pub use load::{load, load_from_bytes};
+pub use options::{Env, Ies, LightUnits, LoadOptions, SceneChoice, Sun, UnlitMode};
+pub use warning::{Warning, WarningKind};
 
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use std::ops::Range;
@@ -283,10 +307,5 @@ impl Scene {
     pub fn material_at(&self, instance: u32, triangle: u32) -> &Material {
         let mesh = &self.meshes[self.instances[instance as usize].mesh as usize];
         &self.materials[mesh.material_of(triangle) as usize]
-    }
-
-    /// Alpha of an instance's triangle.
-    pub fn alpha_at(&self, instance: u32, triangle: u32, _barycentric: Vec2) -> f32 {
-        self.material_at(instance, triangle).base_color.w
     }
 }
