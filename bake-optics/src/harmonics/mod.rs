@@ -13,7 +13,7 @@ pub use real_sh::{project, real_sh, real_sh_into, sh_index, sh_sum};
 pub use window::Window;
 pub use zonal::{
     clamped_cosine, irradiance, phong, power_cosine, y_zonal, y_zonal_all, zonal_convolve, zonal_dot, zonal_eval,
-    zonal_from_legendre, zonal_to_sh,
+    zonal_from_legendre, zonal_power_cosine, zonal_to_sh,
 };
 
 /// Most bands the crate's callers use; nothing here breaks above it, accuracy is measured up to it.

