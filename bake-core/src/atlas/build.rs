@@ -32,16 +32,16 @@ pub fn build(scene: &Scene, settings: &AtlasSettings) -> Result<(Atlas, Vec<Atla
     let mut warnings = Vec::new();
     let densities = density::per_instance(scene, settings, &mut warnings);
     let mut plan = Plan::new(scene, settings, densities);
-    let placed = loop {
+    let (placed, shared) = loop {
         plan.flatten();
         let placed = plan.place()?;
-        let overlapping = plan.overlapping(&placed);
-        if overlapping.is_empty() {
-            break placed;
+        let shared = plan.shared_texels(&placed);
+        // Unwrapping some meshes changes densities under max_pages, hence the overlap of the others: judge again.
+        if !plan.unwrap_overlapping(&shared) {
+            break (placed, shared);
         }
-        plan.unwrap_instead(overlapping);
     };
-    plan.warn(&placed, &mut warnings);
+    plan.warn(&placed, &shared, &mut warnings);
     Ok((plan.atlas(&placed), warnings))
 }
 
@@ -170,29 +170,36 @@ impl<'a> Plan<'a> {
         Some(Placed { factor, layouts, spots })
     }
 
-    /// Meshes whose own coordinates overlap on too many texels, with the share.
-    fn overlapping(&self, placed: &Placed) -> BTreeMap<u32, f32> {
+    /// Per mesh with own coordinates: texels that several charts or triangles cover, of all covered, in its worst layout.
+    fn shared_texels(&self, placed: &Placed) -> BTreeMap<u32, Shared> {
         let own: Vec<_> = placed.layouts.iter().filter(|(key, _)| key.0.2).collect();
-        let shares: Vec<_> = own
+        let counts: Vec<_> = own
             .into_par_iter()
             .map(|(key, laid_out)| {
                 let layout = self.layout(key, laid_out);
-                let (shared, covered) = shared_texels(&layout, &raster::fragments(&layout, laid_out.arrangement.size));
-                (key.0.0, shared as f32 / covered.max(1) as f32)
+                (key.0.0, Shared::count(&layout, &raster::fragments(&layout, laid_out.arrangement.size)))
             })
             .collect();
-        let mut worst = BTreeMap::new();
-        for (mesh, share) in shares.into_iter().filter(|(_, share)| *share > own::OVERLAP_ALLOWED) {
-            let entry = worst.entry(mesh).or_insert(share);
-            *entry = entry.max(share);
+        let mut worst: BTreeMap<u32, Shared> = BTreeMap::new();
+        for (mesh, shared) in counts {
+            let entry = worst.entry(mesh).or_insert(shared);
+            if shared.share() > entry.share() {
+                *entry = shared;
+            }
         }
         worst
     }
 
-    fn unwrap_instead(&mut self, overlapping: BTreeMap<u32, f32>) {
-        for (mesh, share) in overlapping {
-            self.sources.insert(mesh, (Source::Unwrap, Some(OwnUvProblem::Overlap { share })));
+    /// Has meshes unwrapped whose own coordinates overlap on too many texels; whether there were any.
+    fn unwrap_overlapping(&mut self, shared: &BTreeMap<u32, Shared>) -> bool {
+        let overlapping = shared.iter().filter(|(_, shared)| shared.share() > own::OVERLAP_ALLOWED);
+        let mut any = false;
+        for (mesh, shared) in overlapping {
+            let problem = OwnUvProblem::Overlap { share: shared.share() };
+            self.sources.insert(*mesh, (Source::Unwrap, Some(problem)));
+            any = true;
         }
+        any
     }
 
     fn layout(&self, key: &LayoutKey, laid_out: &LaidOut) -> Layout {
@@ -201,7 +208,7 @@ impl<'a> Plan<'a> {
     }
 
     /// What the user should know.
-    fn warn(&self, placed: &Placed, warnings: &mut Vec<AtlasWarning>) {
+    fn warn(&self, placed: &Placed, shared: &BTreeMap<u32, Shared>, warnings: &mut Vec<AtlasWarning>) {
         let name = |mesh: u32| self.scene.meshes[mesh as usize].name.clone();
         for (mesh, (_, problem)) in &self.sources {
             warnings.extend(problem.map(|problem| AtlasWarning::OwnUvRejected { mesh: name(*mesh), problem }));
@@ -224,13 +231,8 @@ impl<'a> Plan<'a> {
                 warnings.push(AtlasWarning::InstanceScaled { path, asked: asked as f32, reached: reached as f32 });
             }
         }
-        let own: Vec<_> = placed.layouts.iter().filter(|(key, _)| key.0.2).collect();
-        for (key, laid_out) in own {
-            let layout = self.layout(key, laid_out);
-            let (texels, covered) = shared_texels(&layout, &raster::fragments(&layout, laid_out.arrangement.size));
-            if texels > 0 {
-                warnings.push(AtlasWarning::SharedTexels { mesh: name(key.0.0), texels, covered });
-            }
+        for (mesh, Shared { texels, covered }) in shared.iter().filter(|(_, shared)| shared.texels > 0) {
+            warnings.push(AtlasWarning::SharedTexels { mesh: name(*mesh), texels: *texels, covered: *covered });
         }
     }
 
@@ -338,22 +340,34 @@ fn append(page: &mut Page, rectangle: &Rectangle, coverage: &Coverage, texel: &T
 /// Area above which a second chart counts as present in a texel, and the excess above which triangles overlap.
 const SHARED_AREA: f64 = 0.02;
 
-/// Texels that several charts touch or triangles cover more than once, and texels covered at all.
-fn shared_texels(layout: &Layout, fragments: &[Fragment]) -> (u32, u32) {
-    let (mut shared, mut covered) = (0, 0);
-    let chart = |f: &Fragment| layout.chart[f.triangle as usize];
-    for group in fragments.chunk_by(|a, b| a.texel == b.texel) {
-        covered += 1;
-        let area = |other: bool| {
-            let counted = group.iter().filter(|f| (chart(f) != chart(&group[0])) == other);
-            counted.map(|f| f64::from(f.area)).sum::<f64>()
-        };
-        let (first, others) = (area(false), area(true));
-        if first + others > 1.0 + SHARED_AREA || first.min(others) > SHARED_AREA {
-            shared += 1;
-        }
+/// How far a layout is from one surface a texel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Shared {
+    /// Texels that several charts touch or triangles cover more than once.
+    texels: u32,
+    /// Texels covered at all.
+    covered: u32,
+}
+
+impl Shared {
+    fn share(&self) -> f32 {
+        self.texels as f32 / self.covered.max(1) as f32
     }
-    (shared, covered)
+
+    fn count(layout: &Layout, fragments: &[Fragment]) -> Self {
+        let mut count = Self { texels: 0, covered: 0 };
+        let chart = |f: &Fragment| layout.chart[f.triangle as usize];
+        for group in fragments.chunk_by(|a, b| a.texel == b.texel) {
+            let area = |other: bool| {
+                let counted = group.iter().filter(|f| (chart(f) != chart(&group[0])) == other);
+                counted.map(|f| f64::from(f.area)).sum::<f64>()
+            };
+            let (first, others) = (area(false), area(true));
+            count.covered += 1;
+            count.texels += u32::from(first + others > 1.0 + SHARED_AREA || first.min(others) > SHARED_AREA);
+        }
+        count
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Every covered texel's points on the surface.
 //!
-//! *Where*: spread over the covered part of the texel's square (box footprint), each standing for an equal area.
+//! *Where*: spread over the covered part of the texel's square (box footprint), each standing for an equal area; inside
+//! one triangle in pairs opposite to each other about the centre.
 //! *Weights*: a texel is a bilinear node at its centre, but the mean over a partly covered texel is the value at the
 //! covered part's centroid, up to half a texel away: an error of that distance times the gradient. So the weights are
 //! tilted exponentially, w ∝ exp(λ·p), until the points' weighted mean lies at the centre, or as near as positive
@@ -73,32 +74,54 @@ fn spread(
     points: &mut Vec<SurfacePoint>,
 ) {
     let total: f64 = fragments.iter().map(|f| f64::from(f.area)).sum();
-    // Lines without area count by their presence.
-    let weight = |f: &Fragment| if total > 0.0 { f64::from(f.area) / total } else { 1.0 / fragments.len() as f64 };
-    let (shift_r, shift_s) = shifts(x, y);
-    let first = points.len();
+    let shift = shifts(x, y);
+    let corner = DVec2::new(f64::from(x), f64::from(y));
+    let weight = 1.0 / count as f32;
+    let mut append = |triangle, weights| {
+        let barycentric = inside_triangle(weights).as_vec2();
+        points.push(SurfacePoint { instance: 0, triangle, barycentric, weight });
+    };
+    if let ([only], true) = (fragments, total >= FULL) {
+        let whole = Polygon::triangle(layout, only.triangle as usize, size);
+        for place in balanced(count, shift) {
+            append(only.triangle, whole.weights_at(corner + place));
+        }
+        return;
+    }
     let mut places = Vec::with_capacity(count as usize);
-    let (mut at, mut before) = (0, 0.0);
-    let mut piece = Polygon::triangle(layout, fragments[0].triangle as usize, size).in_texel(x, y);
+    // Lines without area count by their presence.
+    let share = |f: &Fragment| if total > 0.0 { f64::from(f.area) / total } else { 1.0 / fragments.len() as f64 };
+    let piece = |f: &Fragment| Polygon::triangle(layout, f.triangle as usize, size).in_texel(x, y);
+    let (mut at, mut before, mut polygon) = (0, 0.0, piece(&fragments[0]));
     for k in 0..count {
-        let target = (f64::from(k) + shift_r) / f64::from(count);
-        while at + 1 < fragments.len() && before + weight(&fragments[at]) <= target {
-            before += weight(&fragments[at]);
+        let target = (f64::from(k) + shift.0) / f64::from(count);
+        while at + 1 < fragments.len() && before + share(&fragments[at]) <= target {
+            before += share(&fragments[at]);
             at += 1;
-            piece = Polygon::triangle(layout, fragments[at].triangle as usize, size).in_texel(x, y);
+            polygon = piece(&fragments[at]);
         }
-        let along = ((target - before) / weight(&fragments[at]).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        let corner = pick(&piece, along, (radical_inverse(k) + shift_s).fract());
-        places.push(corner.at - DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5));
-        let barycentric = inside_triangle(corner.weights).as_vec2();
-        let triangle = fragments[at].triangle;
-        points.push(SurfacePoint { instance: 0, triangle, barycentric, weight: 1.0 / count as f32 });
+        let along = ((target - before) / share(&fragments[at]).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let place = pick(&polygon, along, (radical_inverse(k) + shift.1).fract());
+        places.push(place.at - corner - 0.5);
+        append(fragments[at].triangle, place.weights);
     }
-    if total < FULL {
-        for (point, weight) in points[first..].iter_mut().zip(tilt(&places)) {
-            point.weight = weight as f32;
+    let first = points.len() - places.len();
+    for (point, weight) in points[first..].iter_mut().zip(tilt(&places)) {
+        point.weight = weight as f32;
+    }
+}
+
+/// Points of the unit square in pairs opposite to each other about the centre, so that their mean is the centre, one
+/// in each of `count` columns; an odd one lies at the centre.
+fn balanced(count: u32, (shift_x, shift_y): (f64, f64)) -> impl Iterator<Item = DVec2> {
+    (0..count).map(move |i| {
+        if count % 2 == 1 && i == count - 1 {
+            return DVec2::splat(0.5);
         }
-    }
+        let k = i / 2;
+        let place = DVec2::new((f64::from(k) + shift_x) / f64::from(count), (radical_inverse(k) + shift_y).fract());
+        if i % 2 == 0 { place } else { 1.0 - place }
+    })
 }
 
 /// Two numbers in [0, 1) that differ from texel to texel, so that no pattern repeats across the page.
@@ -246,7 +269,7 @@ mod tests {
             let mean: Vec2 = points.iter().map(|p| (place(&layout, p) - centre) * p.weight).sum();
             let even: Vec2 = points.iter().map(|p| (place(&layout, p) - centre) / 8.0).sum();
             if points.iter().all(|p| p.weight == points[0].weight) {
-                full = full.max(even.length());
+                full = full.max(mean.length());
             } else if inside(&layout, centre) {
                 partial += 1;
                 tilted += mean.length();
@@ -259,9 +282,9 @@ mod tests {
             tilted / partial as f32,
             plain / partial as f32
         );
-        println!("full texels: at most {full:.3}");
+        println!("full texels: at most {full:.1e}");
         assert!(partial > 15 && ratio < 0.5 && ratio > 0.0, "ratio {ratio}");
-        assert!(full < 0.2, "points of full texels are lopsided by {full}");
+        assert!(full < 1e-5, "points of full texels are lopsided by {full}");
     }
 
     #[test]
@@ -278,5 +301,31 @@ mod tests {
         assert_eq!(coverage.texels.len(), 1);
         assert_eq!(coverage.texels[0].chart, 1);
         assert!(coverage.points.iter().all(|p| p.triangle == 1));
+    }
+
+    /// Points stand for equal areas: the weight that full texels give to a triangle is its area in them.
+    #[test]
+    fn weights_are_areas() {
+        let at = |i: u32| Vec2::new(sobol_burley::sample(i, 0, 9), sobol_burley::sample(i, 1, 9)) * 12.0 + 2.0;
+        let (a, b) = (Vec2::splat(1.0), Vec2::new(15.0, 1.0));
+        let (c, d) = (Vec2::splat(15.0), Vec2::new(1.0, 15.0));
+        // A square of four triangles about a point that wanders.
+        let mut worst = Worst::new("mean share of a triangle in its texels against its area, 40 layouts", 0.01);
+        let (mut weight, mut area) = ([0.0; 4], [0.0; 4]);
+        for i in 0..40 {
+            let uv = [a, b, c, d, at(i)].map(|p| p / 16.0).to_vec();
+            let triangles = vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+            let layout = Layout { uv, triangles, chart: vec![0; 4], charts: 1, ..Layout::default() };
+            for fragment in fragments(&layout, SIZE) {
+                area[fragment.triangle as usize] += f64::from(fragment.area);
+            }
+            for point in covered(&layout, 4).points {
+                weight[point.triangle as usize] += f64::from(point.weight);
+            }
+        }
+        for t in 0..4 {
+            worst.relative(weight[t], area[t], || format!("triangle {t}"));
+        }
+        worst.check();
     }
 }

@@ -45,6 +45,13 @@ impl Polygon {
         0.5 * twice.abs()
     }
 
+    /// Barycentric weights at a place, for a triangle with area.
+    pub fn weights_at(&self, place: DVec2) -> DVec2 {
+        let [a, b, c] = [0, 1, 2].map(|k| self.corners[k].at);
+        let (u, v, p) = (b - a, c - a, place - a);
+        DVec2::new(p.perp_dot(v), u.perp_dot(p)) / u.perp_dot(v)
+    }
+
     /// Smallest and largest coordinate along an axis.
     fn range(&self, axis: usize) -> (f64, f64) {
         let along = self.corners().iter().map(|c| c.at[axis]);

@@ -1,7 +1,7 @@
 //! Laws of the whole atlas on small scenes.
 
 use super::*;
-use crate::atlas::shapes::{block, scene_of, without_uv};
+use crate::atlas::shapes::{block, cobbles, moebius, scene_of, smooth, sphere, without_uv};
 use glam::{Affine3A, Vec3};
 use testkit::compare::Worst;
 
@@ -229,4 +229,80 @@ fn settings_out_of_range_are_refused_by_name() {
     refused(AtlasSettings { max_pages: Some(0), ..density(1.0) }, "max_pages");
     refused(AtlasSettings { points_per_texel: 0, ..density(1.0) }, "points_per_texel");
     refused(AtlasSettings { padding: 1000, ..density(1.0) }, "padding");
+}
+
+/// A scene with everything: own coordinates, unwrapped ones, shared, mirrored and sheared instances.
+fn medley() -> Scene {
+    let meshes = vec![
+        block(Vec3::new(2.0, 1.0, 3.0), 0.1),
+        smooth(sphere(16)),
+        smooth(moebius(40)),
+        smooth(cobbles(24)),
+        without_uv(block(Vec3::ONE, 0.0)),
+    ];
+    let turned = Affine3A::from_rotation_y(0.7) * Affine3A::from_scale(Vec3::new(1.0, 2.0, 0.5));
+    let mirrored = Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0));
+    let placed = [
+        (0, Affine3A::IDENTITY),
+        (1, mirrored),
+        (1, Affine3A::IDENTITY),
+        (2, turned),
+        (3, Affine3A::IDENTITY),
+        (4, turned),
+        (4, mirrored * turned),
+        (0, turned),
+    ];
+    scene_of(meshes, &placed)
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let scene = medley();
+    let settings = AtlasSettings { page_size: 256, max_pages: Some(2), ..density(16.0) };
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| built(&scene, &settings))
+    };
+    let one = with(1);
+    assert!(with(2) == one && with(7) == one && with(7) == one);
+    let other = built(&scene, &AtlasSettings { texels_per_m: 3.0, ..settings });
+    assert!(other != one, "negative control: another atlas compares unequal");
+}
+
+/// Coverage law: the surface under all fragments is the surface of the scene; charts keep apart; every chart has texels.
+#[test]
+fn texels_stand_for_the_whole_surface() {
+    let scene = medley();
+    let settings = density(12.0);
+    let (atlas, warnings) = built(&scene, &settings);
+    assert_eq!(warnings, []);
+    assert_eq!(crossing_lookups(&atlas, 20), 0);
+    let mut worst = Worst::new("surface under the texels against the surface, per instance", 1e-4);
+    let mut charts = BTreeSet::new();
+    for page in &atlas.pages {
+        charts.extend(page.texels.iter().map(|t| t.chart));
+    }
+    for (instance, placement) in scene.instances.iter().zip(&atlas.placements) {
+        let placement = placement.expect("lightmapped");
+        let layout = &atlas.layouts[placement.layout as usize];
+        let page = &atlas.pages[placement.page as usize];
+        let texels = placement.scale * Vec2::new(page.width as f32, page.height as f32);
+        let size = texels.round().to_array().map(|n| n as u32);
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let p = |v: u32| instance.world_from_object.transform_point3(mesh.positions[v as usize]);
+        let solid = |t: usize| {
+            let [a, b, c] = mesh.triangles[t].map(p);
+            f64::from((b - a).cross(c - a).length() / 2.0)
+        };
+        let flat = |t: usize| f64::from(area2(layout.triangles[t].map(|v| layout.uv[v as usize] * texels)));
+        let total: f64 = (0..mesh.triangles.len()).map(solid).sum();
+        let under: f64 = raster::fragments(layout, size)
+            .iter()
+            .filter(|f| f.area > 0.0)
+            .map(|f| f64::from(f.area) * solid(f.triangle as usize) / flat(f.triangle as usize))
+            .sum();
+        worst.relative(under, total, || instance.path.clone());
+        assert!((0..layout.charts).all(|c| charts.contains(&(placement.first_chart + c))), "{}", instance.path);
+    }
+    worst.check();
 }
