@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 pub mod analytic;
 pub mod build;
 pub mod cornell;
+pub mod courtyard;
 pub mod furnace;
 pub mod hall;
 pub mod instances;
@@ -21,6 +22,7 @@ pub mod plane_sky;
 pub mod plane_sun;
 pub mod sealed_room;
 pub mod spheres;
+pub mod spot_room;
 pub mod thin_wall;
 
 /// The files of one scene.
@@ -46,6 +48,7 @@ impl SceneFiles {
 pub fn all() -> Vec<SceneFiles> {
     vec![
         cornell::scene(),
+        courtyard::scene(),
         furnace::scene(),
         hall::scene(),
         instances::scene(),
@@ -57,6 +60,7 @@ pub fn all() -> Vec<SceneFiles> {
         plane_sun::scene(),
         sealed_room::scene(),
         spheres::scene(),
+        spot_room::scene(),
         thin_wall::scene(),
     ]
 }

@@ -42,7 +42,7 @@ class Glb:
         json_length = struct.unpack_from("<I", data, 12)[0]
         self.json = json.loads(data[20 : 20 + json_length])
         self.binary = data[28 + json_length :]
-        self.parts = {}  # (material, colour) -> list of (positions, normals), each (triangles, 3 corners, 3)
+        self.parts = {}  # (material, colour) -> list of positions, each (triangles, 3 corners, 3)
         self.lights = []  # (light, world matrix)
         for root in self.json["scenes"][0]["nodes"]:
             self.visit(root, np.eye(4))
@@ -74,8 +74,6 @@ class Glb:
         if np.linalg.det(matrix[:3, :3]) < 0:
             indices = indices[:, ::-1]
         positions = self.accessor(attributes["POSITION"]) @ matrix[:3, :3].T + matrix[:3, 3]
-        normals = self.accessor(attributes["NORMAL"]) @ np.linalg.inv(matrix[:3, :3])
-        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         colours = np.ones((len(positions), 3))
         if "COLOR_0" in attributes:
             colours = self.accessor(attributes["COLOR_0"])[:, :3].astype(float)
@@ -84,18 +82,18 @@ class Glb:
             by_colour.setdefault(tuple(colours[triangle[0]]), []).append(triangle)
         for colour, triangles in by_colour.items():
             part = self.parts.setdefault((primitive["material"], colour), [])
-            part.append((positions[np.array(triangles)], normals[np.array(triangles)]))
+            part.append(positions[np.array(triangles)])
 
     def triangles(self):
-        """Corners and normals of all triangles, (n, 3, 3) each, and whether they reflect."""
-        corners, normals, reflects = [], [], []
+        """Corners of all triangles, (n, 3, 3), and whether irradiance is asked for there: not on sheets and lamps."""
+        corners, asked = [], []
         for (material, _), pieces in self.parts.items():
-            albedo = self.json["materials"][material]["pbrMetallicRoughness"]["baseColorFactor"]
-            for c, n in pieces:
-                corners.append(c)
-                normals.append(n)
-                reflects.append(np.full(len(c), max(albedo[:3]) > 0))
-        return np.concatenate(corners), np.concatenate(normals), np.concatenate(reflects)
+            material = self.json["materials"][material]
+            albedo = material["pbrMetallicRoughness"]["baseColorFactor"]
+            for piece in pieces:
+                corners.append(piece)
+                asked.append(np.full(len(piece), max(albedo[:3]) > 0 and not material.get("doubleSided")))
+        return np.concatenate(corners), np.concatenate(asked)
 
 
 def local_matrix(node):
@@ -193,10 +191,10 @@ def punctual(kind, colour, position=(0, 0, 0), axis=(0, -1, 0), cos=(0.0, 0.0)):
 def mitsuba_scene(glb, sky, sun):
     content = {"type": "scene"}
     if sky:
-        content["sky"] = {"type": "constant", "radiance": {"type": "rgb", "value": sky}}
+        content["sky"] = {"type": "constant", "sampling_weight": 3.0, "radiance": {"type": "rgb", "value": sky}}
     if sun:
         direction, lux, radius = sun
-        content["sun"] = punctual("sun", lux, axis=direction, cos=(1.0, np.cos(radius)))
+        content["sun"] = punctual("sun", lux, axis=direction, cos=(1.0, np.cos(radius))) | {"sampling_weight": 8.0}
     for index, (light, matrix) in enumerate(glb.lights):
         colour = np.array(light.get("color", [1, 1, 1])) * light["intensity"]
         axis, position = -matrix[:3, 2] / np.linalg.norm(matrix[:3, 2]), matrix[:3, 3]
@@ -211,7 +209,7 @@ def mitsuba_scene(glb, sky, sun):
         else:
             content[f"light{index}"] = punctual(light["type"], colour, position, axis, cos)
     for index, ((material, colour), pieces) in enumerate(glb.parts.items()):
-        corners = np.concatenate([c for c, _ in pieces])
+        corners = np.concatenate(pieces)
         content[f"part{index}"] = mitsuba_mesh(f"part{index}", corners, glb.json["materials"][material], colour)
     return mi.load_dict(content)
 
@@ -245,8 +243,16 @@ def irradiance(scene, points, normals, samples, seed):
     integrator = mi.load_dict({"type": "path", "max_depth": -1, "rr_depth": 5})
     sampler = mi.load_dict({"type": "independent"})
     n = len(points)
-    sampler.seed(seed, n * samples)
+    # Opaque, so that all batches share one compiled kernel.
+    sampler.seed(dr.opaque(mi.UInt32, seed), n * samples)
     lane = dr.arange(mi.UInt32, n * samples) // samples
+    cell = dr.arange(mi.UInt32, n * samples) % samples
+    strata = int(np.sqrt(samples))
+    assert strata * strata == samples, "samples must be a square number"
+
+    def stratified():
+        return (mi.Point2f(cell % strata, cell // strata) + sampler.next_2d()) / strata
+
     gather = lambda values: dr.gather(mi.Point3f, mi.Point3f(values.T.astype(np.float32)), lane)
 
     si = dr.zeros(mi.SurfaceInteraction3f, n * samples)
@@ -254,7 +260,7 @@ def irradiance(scene, points, normals, samples, seed):
     si.sh_frame = mi.Frame3f(si.n)
 
     # Along a cosine-distributed ray: everything, with straight emission weighted against the emitter samples below.
-    ray = si.spawn_ray(si.sh_frame.to_world(mi.warp.square_to_cosine_hemisphere(sampler.next_2d())))
+    ray = si.spawn_ray(si.sh_frame.to_world(mi.warp.square_to_cosine_hemisphere(stratified())))
     cosine_pdf = dr.dot(ray.d, si.n) / dr.pi
     hit = scene.ray_intersect(ray)
     emitter = hit.emitter(scene)
@@ -265,7 +271,7 @@ def irradiance(scene, points, normals, samples, seed):
     value = dr.pi * (all_light - straight + straight * dr.select(cosine_pdf > 0, cosine_pdf / (cosine_pdf + emitter_pdf), 0))
 
     # Towards a sampled emitter.
-    ds, weight = scene.sample_emitter_direction(si, sampler.next_2d(), True)
+    ds, weight = scene.sample_emitter_direction(si, stratified(), True)
     cosine = dr.maximum(dr.dot(ds.d, si.n), 0)
     balance = dr.select(ds.delta, 1, ds.pdf / (ds.pdf + cosine / dr.pi))
     value += dr.select(ds.pdf > 0, weight * cosine * balance, 0)
@@ -291,13 +297,13 @@ def distance_to_other_surfaces(point, normal, corners, face_normals):
     return min(best, np.abs(height[inside]).min(initial=np.inf))
 
 
-def choose_points(glb, scene, plain, hard, clearance, rng):
+def choose_points(glb, scene, sun, plain, hard, clearance, rng):
     """Points spread by area over reflecting faces; hard ones lie near edges and contacts. Buried ones are left out."""
-    corners, vertex_normals, reflects = glb.triangles()
+    corners, asked = glb.triangles()
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(cross, axis=1) / 2
     face_normals = cross / (2 * area[:, None])
-    probability = area * reflects / (area * reflects).sum()
+    probability = area * asked / (area * asked).sum()
     points, normals, cases = [], [], []
     wanted = {"plain": plain, "hard": hard}
     for _ in range(200 * (plain + hard)):
@@ -308,13 +314,23 @@ def choose_points(glb, scene, plain, hard, clearance, rng):
         point = corners[index].T @ np.array([1 - s, s * (1 - t), s * t])
         normal = face_normals[index]
         near = distance_to_other_surfaces(point, normal, corners, face_normals)
-        case = "plain" if near >= clearance else "hard"
+        edge = sun and near_sun_edge(scene, sun, point, normal, clearance, rng)
+        case = "hard" if near < clearance or edge else "plain"
         if near < 0.01 or wanted[case] == 0 or buried(scene, point, normal, rng):
             continue
         wanted[case] -= 1
         points.append(point), normals.append(normal), cases.append(case)
     order = sorted(range(len(points)), key=lambda i: (cases[i] != "plain", i))
     return np.array(points)[order], np.array(normals)[order], [cases[i] for i in order]
+
+
+def near_sun_edge(scene, sun, point, normal, clearance, rng, rays=64):
+    """Whether only a part of the points within the clearance sees the sun."""
+    frame = mi.Frame3f(mi.Normal3f(*map(float, normal)))
+    disk = mi.warp.square_to_uniform_disk(mi.Point2f(rng.random((2, rays)).astype(np.float32))) * clearance
+    origin = mi.Point3f(*map(float, point)) + frame.to_world(mi.Vector3f(disk.x, disk.y, 1e-4))
+    lit = ~np.array(scene.ray_test(mi.Ray3f(origin, mi.Vector3f(*map(float, -sun[0])))))
+    return sun[0] @ normal < 0 and lit.any() and not lit.all()
 
 
 def buried(scene, point, normal, rng, rays=256):
@@ -331,29 +347,33 @@ def main():
     parser.add_argument("--plain", type=int, default=160, help="points at least --clearance from other surfaces")
     parser.add_argument("--hard", type=int, default=40, help="points nearer than that")
     parser.add_argument("--clearance", type=float, default=0.1, help="metres")
-    parser.add_argument("--samples", type=int, default=1024, help="paths per point and batch")
+    parser.add_argument("--samples", type=int, default=1024, help="paths per point and batch, a square number")
     parser.add_argument("--batches", type=int, default=128)
     parser.add_argument("--threads", type=int, default=1)
     args = parser.parse_args()
     dr.set_thread_count(args.threads)
 
     glb = Glb(FOLDER / f"{args.scene}.glb")
-    scene = mitsuba_scene(glb, *settings(args.scene))
-    points, normals, cases = choose_points(glb, scene, args.plain, args.hard, args.clearance, np.random.default_rng(1))
+    sky, sun = settings(args.scene)
+    scene = mitsuba_scene(glb, sky, sun)
+    points, normals, cases = choose_points(glb, scene, sun, args.plain, args.hard, args.clearance, np.random.default_rng(1))
     batches = []
-    for batch in range(args.batches):
-        batches.append(irradiance(scene, points, normals, args.samples, seed=1000 + batch))
-        print(f"\rbatch {batch + 1} of {args.batches}", end="", file=sys.stderr, flush=True)
+    try:
+        for batch in range(args.batches):
+            batches.append(irradiance(scene, points, normals, args.samples, seed=1000 + batch))
+            print(f"\rbatch {batch + 1} of {args.batches}", end="", file=sys.stderr, flush=True)
+    except KeyboardInterrupt:
+        pass  # what is done counts
     batches = np.array(batches)
     mean = batches.mean(0)
-    error = batches.std(0, ddof=1) / np.sqrt(args.batches)
+    error = batches.std(0, ddof=1) / np.sqrt(len(batches))
     share = error.sum(1) / np.maximum(mean.sum(1), 1e-30)
 
     print(f"# irradiance (lux, linear Rec.709) at world points of scenes/{args.scene}.glb, all orders of reflection")
-    print(f"# made by scenes/truth/irradiance.py: Mitsuba {mi.__version__} path integrator, {args.batches} batches of")
+    print(f"# made by scenes/truth/irradiance.py: Mitsuba {mi.__version__} path integrator, {len(batches)} batches of")
     print(f"# {args.samples} paths a point; se = one standard error of the mean from the batches")
     print(f"# relative se: median {np.median(share):.5f}, max {share.max():.5f}")
-    print(f"# case: hard = less than {args.clearance} m from a surface that does not continue the point's own")
+    print(f"# case: hard = less than {args.clearance} m from the sun's shadow edge or a surface that does not continue the point's")
     print("px,py,pz,nx,ny,nz,E_r,E_g,E_b,se_r,se_g,se_b,case")
     for point, normal, e, se, case in zip(points, normals, mean, error, cases):
         place = [f"{x + 0.0:.6f}" for x in point.round(6)] + [f"{x + 0.0:.7f}" for x in normal.round(7)]

@@ -10,7 +10,7 @@ const ARCH: Opening = Opening { centre: 0.0, half_width: BAY / 2.0 - 0.35, sill:
 /// The window above it.
 const CLERESTORY: Opening = Opening { centre: 0.0, half_width: 0.45, sill: 5.15, spring: 5.7 };
 /// The window of an aisle.
-const WINDOW: Opening = Opening { centre: 0.0, half_width: 0.65, sill: 1.1, spring: 3.3 };
+const WINDOW: Opening = Opening { centre: 0.0, half_width: 0.85, sill: 0.9, spring: 3.1 };
 /// The window above the dais.
 pub const FAR_WINDOW: Opening = Opening { centre: 0.0, half_width: 0.95, sill: 3.4, spring: 6.4 };
 /// How far windows reach back.

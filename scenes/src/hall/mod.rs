@@ -37,8 +37,8 @@ const PENDANT: [f64; 3] = [900.0, 640.0, 360.0];
 const SETTINGS: &str = "\
 // Evening: a low sun through the right-hand windows, and the sky's blue.
 Bake(
-    sky: (1400, 1900, 2900),
-    sun: Sun(azimuth_deg: 66, elevation_deg: 27, lux: 24000, colour: (1, 0.76, 0.5), angular_diameter_deg: 0.53),
+    sky: (1000, 1350, 2100),
+    sun: Sun(azimuth_deg: 78, elevation_deg: 22, lux: 38000, colour: (1, 0.76, 0.5), angular_diameter_deg: 0.53),
 )
 ";
 
@@ -60,11 +60,11 @@ impl Materials {
     fn new(glb: &mut Glb) -> Self {
         let mut paint = |name, albedo| glb.material(name, Material::diffuse(albedo));
         Self {
-            plaster: paint("plaster", [0.76, 0.70, 0.60]),
-            stone: paint("stone", [0.66, 0.62, 0.55]),
-            vault: paint("vault", [0.72, 0.72, 0.70]),
-            tiles: [paint("light tile", [0.60, 0.54, 0.45]), paint("dark tile", [0.26, 0.19, 0.15])],
-            carpet: paint("carpet", [0.50, 0.05, 0.04]),
+            plaster: paint("plaster", [0.64, 0.57, 0.47]),
+            stone: paint("stone", [0.52, 0.47, 0.40]),
+            vault: paint("vault", [0.60, 0.58, 0.54]),
+            tiles: [paint("light tile", [0.54, 0.48, 0.40]), paint("dark tile", [0.20, 0.15, 0.12])],
+            carpet: paint("carpet", [0.42, 0.04, 0.035]),
             wood: paint("wood", [0.32, 0.18, 0.09]),
             clay: paint("clay", [0.58, 0.27, 0.14]),
             bronze: glb.material("bronze", Material::diffuse([0.20, 0.14, 0.08]).double_sided()),
@@ -83,7 +83,7 @@ pub fn scene() -> SceneFiles {
     add_sides(&mut glb, &materials);
     add_furnishing(&mut glb, &materials);
     add_chandeliers(&mut glb, &materials);
-    let eye = Place::at(-1.9, 1.75, -0.5).looking_at(DVec3::new(0.35, 2.75, -10.0));
+    let eye = Place::at(1.5, 2.1, -0.4).looking_at(DVec3::new(-0.55, 2.75, -10.0));
     glb.node(None, "camera", eye, Content::Camera(58.0));
     SceneFiles { name: "hall", glb: glb.finish(), settings: Some(SETTINGS) }
 }
@@ -152,8 +152,8 @@ fn add_pendants(glb: &mut Glb, side: NodeId, mesh: MeshId, light: LightId) {
 /// Benches, the dais with its urn, and things that stand about.
 fn add_furnishing(glb: &mut Glb, materials: &Materials) {
     let bench = glb.mesh("bench", &furnishing::bench(materials));
-    for row in 0..6 {
-        let z = -6.0 - 1.5 * f64::from(row);
+    for row in 0..4 {
+        let z = -9.4 - 1.7 * f64::from(row);
         for (side, x) in [("right", 1.95), ("left", -1.95)] {
             glb.node(None, &format!("bench {row} {side}"), Place::at(x, 0.0, z), Content::Mesh(bench));
         }
@@ -166,10 +166,10 @@ fn add_furnishing(glb: &mut Glb, materials: &Materials) {
     let mut add =
         |name: &str, place: Place, mesh: MeshId| -> NodeId { glb.node(None, name, place, Content::Mesh(mesh)) };
     add("urn on the dais", Place::at(0.0, 1.06, -19.0), urn);
-    add("urn", Place::at(1.7, 0.0, -3.9), urn);
-    add("ball", Place::at(-0.2, 0.38, -4.6), ball);
-    add("block", Place::at(2.5, 0.0, -3.3).turned_deg(24.0), block);
-    add("block on top", Place::at(2.48, 0.55, -3.28).turned_deg(-8.0).scaled(0.6, 0.6, 0.6), block);
+    add("urn", Place::at(-2.3, 0.0, -5.3), urn);
+    add("ball", Place::at(-1.3, 0.38, -4.3), ball);
+    add("block", Place::at(2.3, 0.0, -5.6).turned_deg(24.0), block);
+    add("block on top", Place::at(2.28, 0.55, -5.58).turned_deg(-8.0).scaled(0.6, 0.6, 0.6), block);
 }
 
 /// Chandeliers on the nave's axis.
