@@ -118,3 +118,17 @@ fn the_overlap_check_sees_an_overlap() {
     let mesh = Mesh { name: String::new(), positions: vec![], normals: vec![], lightmap, triangles };
     assert_eq!(rasterise(&mesh), Err([0, 1]));
 }
+
+#[test]
+fn the_stored_png_decodes_to_its_texels() {
+    let occluders = scenes::all().into_iter().find(|scene| scene.name == "occluders").expect("is a scene");
+    let gltf = gltf::Gltf::from_slice(&occluders.glb).expect("valid");
+    let view = match gltf.images().next().expect("has an image").source() {
+        gltf::image::Source::View { view, .. } => view,
+        gltf::image::Source::Uri { uri, .. } => panic!("not embedded: {uri}"),
+    };
+    let bytes = &gltf.blob.as_deref().expect("has a buffer")[view.offset()..view.offset() + view.length()];
+    let image = image::load_from_memory(bytes).expect("a PNG").into_rgba8();
+    assert_eq!(image.dimensions(), (4, 4));
+    assert_eq!([0, 1, 4, 5].map(|i| image.as_raw()[4 * i + 3]), [0, 255, 255, 0]);
+}

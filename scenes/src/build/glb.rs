@@ -1,104 +1,20 @@
 //! Writes binary glTF: materials, meshes, punctual lights, cameras and nodes, in the order they are added.
 //!
-//! Bytes depend on the input alone: JSON keys are sorted, numbers are rounded (positions to [`GRID_M`], texture
-//! coordinates to [`GRID_UV`]), so that neither hash order nor the last bit of a platform's sine shows.
+//! Bytes depend on the input alone: JSON keys are sorted, numbers are rounded (positions to
+//! [`GRID_M`](super::GRID_M), texture coordinates to [`GRID_UV`](super::GRID_UV)), so that neither hash order nor the last bit of a platform's sine shows.
 
+use super::arrays::{Arrays, round};
 use super::lightmap;
 use super::material::{Material, MaterialId, TextureId};
-use super::patch::{Patch, Vertex};
+use super::node::{Content, Light, LightId, MeshId, Place};
+use super::patch::Patch;
 use super::png::Pixels;
-use glam::{DQuat, DVec2, DVec3};
+use glam::{DQuat, DVec3};
 use serde_json::{Map, Value, json};
-use std::collections::HashMap;
-
-/// Positions are multiples of this, metres; faces that meet have equal coordinates.
-pub const GRID_M: f64 = 1.0 / 65536.0;
-/// Texture coordinates are multiples of this.
-pub const GRID_UV: f64 = 1.0 / 1048576.0;
-
-/// A mesh of a [`Glb`].
-#[derive(Debug, Clone, Copy)]
-pub struct MeshId(u32);
-
-/// A punctual light of a [`Glb`].
-#[derive(Debug, Clone, Copy)]
-pub struct LightId(u32);
 
 /// A node of a [`Glb`].
 #[derive(Debug, Clone, Copy)]
 pub struct NodeId(u32);
-
-/// A punctual light; all emit along the node's −Z where they have a direction.
-#[derive(Debug, Clone, Copy)]
-pub enum Light {
-    /// Intensity, cd.
-    Point([f64; 3]),
-    /// Intensity (cd) on the axis; half angles in radians.
-    Spot {
-        /// Intensity on the axis, cd.
-        intensity: [f64; 3],
-        /// Full intensity up to this angle.
-        inner: f64,
-        /// None beyond this angle.
-        outer: f64,
-    },
-    /// Illuminance across the beam, lux.
-    Directional([f64; 3]),
-}
-
-/// Where a node is relative to its parent.
-#[derive(Debug, Clone, Copy)]
-pub struct Place {
-    /// Metres.
-    pub translation: DVec3,
-    /// Unit quaternion.
-    pub rotation: DQuat,
-    /// Factor per axis; negative mirrors.
-    pub scale: DVec3,
-}
-
-impl Place {
-    /// Where the parent is.
-    pub const ORIGIN: Self = Self { translation: DVec3::ZERO, rotation: DQuat::IDENTITY, scale: DVec3::ONE };
-
-    /// Moved only.
-    pub fn at(x: f64, y: f64, z: f64) -> Self {
-        Self { translation: DVec3::new(x, y, z), ..Self::ORIGIN }
-    }
-
-    /// With a factor per axis.
-    pub fn scaled(self, x: f64, y: f64, z: f64) -> Self {
-        Self { scale: DVec3::new(x, y, z), ..self }
-    }
-
-    /// Turned about +Y, counter-clockwise seen from above.
-    pub fn turned_deg(mut self, degrees: f64) -> Self {
-        self.rotation = DQuat::from_rotation_y(degrees.to_radians());
-        self
-    }
-
-    /// With −Z, the way lights and cameras look, pointing at a target.
-    pub fn looking_at(mut self, target: DVec3) -> Self {
-        let z = (self.translation - target).normalize();
-        let up = if z.y.abs() > 0.999 { DVec3::Z } else { DVec3::Y };
-        let x = up.cross(z).normalize();
-        self.rotation = DQuat::from_mat3(&glam::DMat3::from_cols(x, z.cross(x), z));
-        self
-    }
-}
-
-/// What a node carries.
-#[derive(Debug, Clone, Copy)]
-pub enum Content {
-    /// Only its children.
-    Group,
-    /// A mesh.
-    Mesh(MeshId),
-    /// A punctual light.
-    Light(LightId),
-    /// A perspective camera with this vertical field of view, degrees.
-    Camera(f64),
-}
 
 /// A binary glTF file under construction.
 #[derive(Debug, Default)]
@@ -286,49 +202,6 @@ impl Glb {
             append(used, json!(name));
         }
     }
-}
-
-/// Vertex arrays of one primitive; equal vertices are stored once.
-#[derive(Default)]
-struct Arrays {
-    positions: Vec<[f32; 3]>,
-    normals: Vec<[f32; 3]>,
-    texcoords: [Vec<[f32; 2]>; 2],
-    indices: Vec<u16>,
-    known: HashMap<[[u32; 3]; 3], u16>,
-}
-
-impl Arrays {
-    /// Adds a patch's triangles of one material; `chart` is the scale and offset of its lightmap chart.
-    fn append(&mut self, patch: &Patch, material: MaterialId, chart: Option<(f64, DVec2)>) {
-        let of_material = patch.triangles.iter().filter(|(_, m)| *m == material);
-        for &corner in of_material.flat_map(|(corners, _)| corners) {
-            let index = self.index(&patch.vertices[corner as usize], chart);
-            self.indices.push(index);
-        }
-    }
-
-    fn index(&mut self, vertex: &Vertex, chart: Option<(f64, DVec2)>) -> u16 {
-        let position = vertex.position.to_array().map(|x| round(x, GRID_M) as f32);
-        let normal = vertex.normal.to_array().map(|x| round(x, GRID_UV) as f32);
-        let flat = |uv: DVec2| uv.to_array().map(|x| round(x, GRID_UV) as f32);
-        let [u, v] = chart.map_or([0.0; 2], |(scale, offset)| flat(vertex.chart * scale + offset));
-        let key = [position, normal, [u, v, 0.0]].map(|row| row.map(f32::to_bits));
-        let next = u16::try_from(self.positions.len()).expect("a primitive has at most 65536 vertices");
-        let index = *self.known.entry(key).or_insert(next);
-        if index == next {
-            self.positions.push(position);
-            self.normals.push(normal);
-            self.texcoords[0].push(flat(vertex.chart));
-            self.texcoords[1].push([u, v]);
-        }
-        index
-    }
-}
-
-/// The nearest multiple of `grid`; never −0.
-fn round(x: f64, grid: f64) -> f64 {
-    (x / grid).round() * grid + 0.0
 }
 
 /// Appends to a JSON array, which null becomes.
