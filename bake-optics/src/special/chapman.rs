@@ -11,7 +11,7 @@ use crate::special::erfcx;
 /// `C(z, c)`, z ≥ 0, −1 ≤ c ≤ 1; +∞ where it exceeds the type (a ray deep through the planet).
 ///
 /// *Accuracy*: 3e-15 in f64, 5e-7 in f32 (plus (z − z sin θ) ulp below the horizon, which is the function's own sensitivity).
-/// *Cost*: 40 exponentials per panel of 2 (f64; 16 in f32); one panel for z > 40.
+/// *Cost*: 28 pairs of exponentials (f32: 12) per panel of 2; one panel for z > 40.
 pub fn chapman<T: Real>(z: T, cos_theta: T) -> T {
     let (exponent, factor) = chapman_parts(z, cos_theta);
     exponent.exp() * factor
@@ -72,7 +72,7 @@ fn chapman_above<T: Real>(z: T, c: T) -> T {
     if z < T::epsilon() * T::of(0.1) || c == T::one() {
         return T::one();
     }
-    let (nodes, cut) = T::pick((16, 20.0), (40, 42.0));
+    let (nodes, cut) = T::pick((12, 18.0), (28, 39.0));
     let reach = hyperbolic_reach(z, c, T::of(cut));
     let panels = (reach * T::of(0.5)).ceil().max(T::one());
     let length = reach / panels;
