@@ -141,3 +141,33 @@ fn parameters_outside_their_domain_are_refused_by_name() {
     assert!(Emitter::CosinePower { exponent: -1.0 }.check().is_err());
     assert!(Emitter::Legendre(vec![1.0, f32::NAN]).check().is_err());
 }
+
+#[test]
+fn a_deflection_keeps_both_ends_however_it_is_given() {
+    let mut ours = Worst::new("1 - cos, 1 + cos and the angle in f32", 1e-6);
+    let mut book = Worst::new("angle by acos(cos) in f32 (negative control)", 1e-2);
+    for i in 0..=120 {
+        let near = 10f32.powf(i as f32 * 0.05 - 6.0);
+        for angle in [near, std::f32::consts::PI - near] {
+            let exact = f64::from(angle);
+            let (minus, plus) = (2.0 * (exact / 2.0).sin().powi(2), 2.0 * (exact / 2.0).cos().powi(2));
+            let (sin, cos) = angle.sin_cos();
+            // Between two vectors the small gap is a difference of coordinates: that of a forward pair is exact in this frame.
+            let pair = Deflection::between([0.0, 0.0, 1.0], [sin, 0.0, cos]);
+            for d in [Deflection::from_angle(angle), Deflection::from_half_tangent((exact / 2.0).tan() as f32)] {
+                let place = || format!("{angle} {d:?}");
+                ours.relative(d.one_minus_cos.into(), minus, place);
+                ours.relative(d.angle().into(), exact, place);
+                if exact < 3.1 {
+                    ours.relative(d.one_plus_cos.into(), plus, place);
+                }
+                book.relative(d.cos_theta.acos().into(), exact, place);
+            }
+            if exact < 1.5 {
+                ours.relative(pair.one_minus_cos.into(), minus, || format!("pair at {angle}"));
+            }
+        }
+    }
+    ours.check();
+    assert!(!book.holds());
+}

@@ -179,6 +179,21 @@ fn phi1_and_lam_agree_with_their_series_and_the_textbook_does_not() {
 }
 
 #[test]
+fn phi1_and_lam_keep_their_digits_in_f32() {
+    let mut worst = Worst::new("phi1, lam f32 against f64", 3.6e-7);
+    for i in -1200..=190 {
+        let x = 10f32.powf(i as f32 * 0.01);
+        for x in [x, -x] {
+            worst.relative(phi1(x).into(), phi1(f64::from(x)), || format!("phi1 {x}"));
+            if x > -1.0 {
+                worst.relative(lam(x).into(), lam(f64::from(x)), || format!("lam {x}"));
+            }
+        }
+    }
+    worst.check();
+}
+
+#[test]
 fn phi1_and_lam_reach_their_ends() {
     assert_eq!((phi1(0.0f32), lam(0.0f32)), (1.0, 1.0));
     assert_eq!((phi1(f64::INFINITY), phi1(f64::NEG_INFINITY)), (f64::INFINITY, 0.0));
