@@ -1,0 +1,63 @@
+//! The images of a page.
+
+use super::luminance;
+use crate::solve::buffers::{PageBuffers, Validity};
+use bake_formats::float_image::{FloatImage, Quantity};
+use glam::Vec3;
+
+/// Total irradiance as R, G, B.
+pub(super) fn lightmap(page: &PageBuffers) -> FloatImage {
+    let mut image = FloatImage::new(page.width, page.height);
+    image.push_rgb("", Quantity::Irradiance, &totals(page));
+    image
+}
+
+fn totals(page: &PageBuffers) -> Vec<Vec3> {
+    (0..page.validity.len()).map(|index| page.total(index)).collect()
+}
+
+/// Terms, variance, samples and validity.
+pub(super) fn terms(page: &PageBuffers) -> FloatImage {
+    let mut image = FloatImage::new(page.width, page.height);
+    for term in &page.terms {
+        image.push_rgb(term.term.name(), Quantity::Irradiance, &term.irradiance);
+    }
+    image.push_rgb("variance", Quantity::IrradianceVariance, &page.variance);
+    image.push("samples.Y", Quantity::Samples, page.samples.iter().map(|&count| count as f32).collect());
+    let valid = page.validity.iter().map(|&state| f32::from(state == Validity::Good)).collect();
+    image.push("validity.Y", Quantity::Validity, valid);
+    image
+}
+
+/// l ≤ 1 harmonics, when they were asked for.
+pub(super) fn sh1(page: &PageBuffers) -> Option<FloatImage> {
+    let coefficients = page.sh1.as_ref()?;
+    let mut image = FloatImage::new(page.width, page.height);
+    for index in 0..4 {
+        let values: Vec<Vec3> = coefficients.iter().map(|texel| texel[index]).collect();
+        image.push_rgb(&format!("c{index}"), Quantity::ShRadiance, &values);
+    }
+    Some(image)
+}
+
+/// 8-bit sRGB PNG of the total, and the irradiance of its white: the 99th percentile of luminance over baked texels.
+pub(super) fn preview(page: &PageBuffers) -> (Vec<u8>, f32) {
+    let totals = totals(page);
+    let good = (0..totals.len()).filter(|&index| page.validity[index] == Validity::Good);
+    let mut levels: Vec<f32> = good.map(|index| luminance(totals[index])).collect();
+    levels.sort_unstable_by(f32::total_cmp);
+    let white = levels.get(levels.len().saturating_sub(1) * 99 / 100).copied().filter(|&white| white > 0.0);
+    let white = white.unwrap_or(1.0);
+    let texels = totals.iter().flat_map(|total| (*total / white).to_array().map(srgb)).collect();
+    let image = image::RgbImage::from_raw(page.width, page.height, texels).expect("three bytes a texel");
+    let mut png = std::io::Cursor::new(Vec::new());
+    image.write_to(&mut png, image::ImageFormat::Png).expect("memory takes a PNG");
+    (png.into_inner(), white)
+}
+
+/// sRGB transfer function to 8 bits (IEC 61966-2-1).
+fn srgb(linear: f32) -> u8 {
+    let linear = linear.clamp(0.0, 1.0);
+    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    (255.0 * encoded).round() as u8
+}

@@ -1,0 +1,139 @@
+//! From scene, atlas and solved buffers to a package on disk.
+//!
+//! Nothing is computed here but what a record asks for (an error estimate, a preview, a light profile as Legendre
+//! polynomials); pixels go out as they came in.
+
+mod baked;
+mod images;
+mod lights;
+mod material;
+
+use crate::atlas::Atlas;
+use crate::scene::Scene;
+use crate::solve::buffers::{PageBuffers, Validity};
+use bake_formats::error::Result;
+use bake_formats::float_image::PixelFormat;
+use bake_formats::manifest::{
+    EnvironmentRecord, ErrorEstimate, InstanceRecord, Manifest, PageRecord, Settings, Source,
+};
+use bake_formats::{PackageWriter, Term};
+use glam::Vec3;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// What was baked.
+#[derive(Debug, Clone, Copy)]
+pub struct Bake<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Where its surfaces lie.
+    pub atlas: &'a Atlas,
+    /// One a page of the atlas, after post-processing.
+    pub pages: &'a [PageBuffers],
+}
+
+/// What the manifest says about how it was baked.
+#[derive(Debug, Clone)]
+pub struct Record {
+    /// File name and BLAKE3 of the scene.
+    pub source: Source,
+    /// All settings.
+    pub settings: Value,
+    /// Which effects were simulated, and why.
+    pub plan: Value,
+    /// Media with their bounds resolved.
+    pub media: Vec<Value>,
+    /// What should be looked at.
+    pub warnings: Vec<String>,
+    /// False under a time budget.
+    pub reproducible: bool,
+    /// Number format of images.
+    pub pixels: PixelFormat,
+}
+
+/// Writes the package into `folder`; returns the manifest's path. Files appear under their names only when all could
+/// be written. Panics unless `bake.pages` fits the atlas.
+pub fn write(folder: &Path, bake: Bake, record: &Record) -> Result<PathBuf> {
+    assert_eq!(bake.pages.len(), bake.atlas.pages.len(), "one set of buffers a page");
+    let mut writer = PackageWriter::create(folder, &bake.scene.name)?;
+    let mut manifest = Manifest::new(&bake.scene.name, record.source.clone(), Settings::new(record.settings.clone()));
+    for (index, page) in bake.pages.iter().enumerate() {
+        manifest.pages.push(write_page(&mut writer, index, page, record.pixels)?);
+    }
+    let (baked, instances) = baked::scene(bake, &manifest.pages, lights::records(&bake.scene.lights));
+    let path = folder.join(writer.file_name("baked.glb"));
+    writer.add_bytes("baked.glb", &baked.to_bytes(&path)?)?;
+    manifest.lights = baked.lights;
+    manifest.instances = instances;
+    manifest.terms = terms(bake.pages);
+    manifest.environment = environment(bake.scene);
+    manifest.error_estimate = error_estimate(bake.pages);
+    manifest.reproducible = record.reproducible;
+    manifest.plan = record.plan.clone();
+    manifest.media = record.media.clone();
+    manifest.warnings = record.warnings.clone();
+    writer.finish(manifest)
+}
+
+fn write_page(writer: &mut PackageWriter, index: usize, page: &PageBuffers, pixels: PixelFormat) -> Result<PageRecord> {
+    let lightmap = writer.add_image(&format!("lightmap.{index:02}.exr"), &images::lightmap(page), pixels)?;
+    let terms = writer.add_image(&format!("terms.{index:02}.exr"), &images::terms(page), pixels)?;
+    let sh1 = match images::sh1(page) {
+        Some(image) => Some(writer.add_image(&format!("sh1.{index:02}.exr"), &image, pixels)?),
+        None => None,
+    };
+    Ok(PageRecord { width: page.width, height: page.height, lightmap, terms, sh1 })
+}
+
+fn terms(pages: &[PageBuffers]) -> Vec<Term> {
+    pages.first().map(|page| page.terms.iter().map(|image| image.term).collect()).unwrap_or_default()
+}
+
+/// Mean over the sphere: rows weigh as the sine of their polar angle.
+fn environment(scene: &Scene) -> Option<EnvironmentRecord> {
+    let environment = scene.environment.as_ref()?;
+    let (mut sum, mut total) = (Vec3::ZERO, 0.0);
+    for (y, row) in environment.radiance.chunks(environment.width as usize).enumerate() {
+        let weight = (std::f32::consts::PI * (y as f32 + 0.5) / environment.height as f32).sin();
+        sum += weight * row.iter().sum::<Vec3>();
+        total += weight * row.len() as f32;
+    }
+    let size = [environment.width, environment.height];
+    Some(EnvironmentRecord { size, rotation: environment.rotation, mean_radiance: sum / total })
+}
+
+/// Rec.709 luminance of a linear colour (ITU-R BT.709-6, section 3.2).
+fn luminance(color: Vec3) -> f32 {
+    color.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// Median standard error over median irradiance, of the worst page; `None` where nothing was baked.
+fn error_estimate(pages: &[PageBuffers]) -> Option<ErrorEstimate> {
+    let (mut worst, mut covered, mut baked) = (0.0f32, 0usize, 0usize);
+    for page in pages {
+        let good: Vec<usize> = (0..page.validity.len()).filter(|&i| page.validity[i] == Validity::Good).collect();
+        let errors = good.iter().map(|&i| luminance(page.variance[i]).max(0.0).sqrt()).collect();
+        let irradiance = median(good.iter().map(|&i| luminance(page.total(i))).collect());
+        if irradiance > 0.0 {
+            worst = worst.max(median(errors) / irradiance);
+        }
+        baked += good.len();
+        covered += good.len() + page.validity.iter().filter(|&&state| state == Validity::Buried).count();
+    }
+    (covered > 0).then(|| ErrorEstimate {
+        relative_standard_error: worst,
+        unbaked_share: (covered - baked) as f32 / covered as f32,
+    })
+}
+
+/// The upper median; 0 of nothing.
+fn median(mut values: Vec<f32>) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests;
