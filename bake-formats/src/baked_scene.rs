@@ -152,8 +152,7 @@ impl Writer<'_> {
     fn textures(&mut self) {
         let mut images: BTreeMap<&[u8], u32> = BTreeMap::new();
         for texture in &self.scene.textures {
-            let source =
-                *images.entry(&texture.png).or_insert_with(|| self.builder.png(None, &texture.png));
+            let source = *images.entry(&texture.png).or_insert_with(|| self.builder.png(None, &texture.png));
             let samplers = &mut self.builder.document.samplers;
             let sampler = samplers.iter().position(|s| *s == texture.sampler).unwrap_or_else(|| {
                 samplers.push(texture.sampler.clone());
@@ -301,5 +300,7 @@ pub(crate) fn textures_of(material: &mut gltf::Material) -> impl Iterator<Item =
         (d.diffuse_transmission_texture.as_mut(), d.diffuse_transmission_color_texture.as_mut())
     });
     let transmission = extensions.transmission.as_mut().and_then(|t| t.transmission_texture.as_mut());
-    [pbr.base_color_texture.as_mut(), emissive_texture.as_mut(), transmission, diffuse, diffuse_color].into_iter().flatten()
+    [pbr.base_color_texture.as_mut(), emissive_texture.as_mut(), transmission, diffuse, diffuse_color]
+        .into_iter()
+        .flatten()
 }

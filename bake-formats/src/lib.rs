@@ -6,7 +6,9 @@ pub mod error;
 pub mod float_image;
 pub mod glb;
 pub mod manifest;
+pub mod metrics;
 pub mod package;
+pub mod sample;
 pub mod term;
 
 pub use baked_scene::BakedScene;

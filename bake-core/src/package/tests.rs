@@ -86,7 +86,11 @@ fn atlas() -> Atlas {
         Some(Placement { layout: 0, page, offset, scale, first_chart: 0 })
     };
     let page = Page { width: 4, height: 4, ..Default::default() };
-    Atlas { pages: vec![page.clone(), page], layouts: vec![layout], placements: vec![placement(0, 0.0), placement(1, 0.5), None] }
+    Atlas {
+        pages: vec![page.clone(), page],
+        layouts: vec![layout],
+        placements: vec![placement(0, 0.0), placement(1, 0.5), None],
+    }
 }
 
 fn buffers(seed: f32) -> PageBuffers {
@@ -163,7 +167,10 @@ fn the_baked_scene_holds_page_coordinates_materials_and_lights() {
     let [material] = baked.materials.as_slice() else { panic!("{} materials", baked.materials.len()) };
     assert_eq!(material.emissive_factor, Some([0.0, 0.5, 1.0]));
     assert_eq!(material.extensions.emissive_strength.as_ref().unwrap().emissive_strength, 1000.0);
-    assert_eq!((material.alpha_mode, material.alpha_cutoff, material.double_sided), (gltf::AlphaMode::Mask, Some(0.25), true));
+    assert_eq!(
+        (material.alpha_mode, material.alpha_cutoff, material.double_sided),
+        (gltf::AlphaMode::Mask, Some(0.25), true)
+    );
     let transform = &material.emissive_texture.as_ref().unwrap().extensions.as_ref().unwrap().transform;
     assert!((transform.rotation - 0.3).abs() < 1e-6 && (transform.scale[1] - 3.0).abs() < 1e-5, "{transform:?}");
     assert_eq!(baked.textures.len(), 1, "the image is embedded once");

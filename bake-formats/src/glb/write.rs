@@ -57,7 +57,14 @@ impl Builder {
         self.document.buffer_views.len() as u32 - 1
     }
 
-    fn accessor(&mut self, start: usize, component_type: u32, count: u32, kind: &str, bounds: [Option<Vec<f32>>; 2]) -> u32 {
+    fn accessor(
+        &mut self,
+        start: usize,
+        component_type: u32,
+        count: u32,
+        kind: &str,
+        bounds: [Option<Vec<f32>>; 2],
+    ) -> u32 {
         let buffer_view = self.view(start);
         let [min, max] = bounds;
         self.document.accessors.push(Accessor { buffer_view, component_type, count, kind: kind.into(), min, max });
