@@ -172,7 +172,7 @@ fn edges_and_corners_belong_to_the_face_that_the_normal_names() {
 
 #[test]
 fn texels_that_were_not_baked_do_not_count_where_others_were() {
-    let every_third = |x: u32, y: u32| (x + y) % 3 == 0;
+    let every_third = |x: u32, y: u32| (x + y).is_multiple_of(3);
     let sampler = sampler(every_third);
     let [n, t, b] = frame(2);
     for i in 1..40 {
