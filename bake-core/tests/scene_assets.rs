@@ -58,3 +58,119 @@ fn triangles_match_the_table_of_the_collection() {
     let (scene, warnings) = load(&assets.join("godot-living_room/living_room.glb"));
     assert_eq!((instanced_triangles(&scene), dropped(&warnings)), (1551, 3537));
 }
+
+/// World positions of all triangle corners, sorted, so that encodings which renumber vertices can be compared.
+fn corners(scene: &Scene) -> Vec<[f32; 3]> {
+    let mut out = Vec::new();
+    for instance in &scene.instances {
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let corner = |&v: &u32| instance.world_from_object.transform_point3(mesh.positions[v as usize]).to_array();
+        out.extend(mesh.triangles.as_flattened().iter().map(corner));
+    }
+    out
+}
+
+/// Area and area-weighted centroid in the world.
+fn moments(scene: &Scene) -> (f64, glam::DVec3) {
+    let corners = corners(scene);
+    let (mut area, mut moment) = (0.0, glam::DVec3::ZERO);
+    for triangle in corners.as_chunks::<3>().0 {
+        let [a, b, c] = triangle.map(|p| glam::Vec3::from(p).as_dvec3());
+        let share = (b - a).cross(c - a).length() / 2.0;
+        area += share;
+        moment += share * (a + b + c) / 3.0;
+    }
+    (area, moment / area)
+}
+
+#[test]
+fn three_encodings_of_the_lantern_are_one_geometry() {
+    let Some(assets) = shared("assets/Lantern") else { return };
+    let [plain, draco, quantized] =
+        ["glTF", "glTF-Draco", "glTF-Quantized"].map(|form| load(&assets.join(form).join("Lantern.gltf")).0);
+    let (area, centre) = moments(&plain);
+    let size = corners(&plain).iter().map(|p| (glam::Vec3::from(*p).as_dvec3() - centre).length()).fold(0.0, f64::max);
+    for (name, scene, allowed) in [("Draco", &draco, 2e-3), ("quantized", &quantized, 2e-3)] {
+        // 11 to 14 bits a coordinate move corners by up to 2^-12 of the size.
+        let mut worst = testkit::compare::Worst::new(format!("{name} Lantern"), allowed);
+        let (other_area, other_centre) = moments(scene);
+        worst.record((other_area / area - 1.0).abs(), || "area".into());
+        worst.record((other_centre - centre).length() / size, || "centroid".into());
+        worst.check();
+        assert!(scene.meshes.iter().all(|mesh| mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-5)));
+    }
+    // Control: the same lantern one per cent larger is no longer the same.
+    let mut larger = plain.clone();
+    for instance in &mut larger.instances {
+        instance.world_from_object.matrix3 *= 1.01;
+    }
+    assert!((moments(&larger).0 / area - 1.0).abs() > 2e-3);
+}
+
+#[test]
+fn missing_textures_are_warned_about_once_each_kind() {
+    let Some(path) = shared("assets/Lantern/glTF/Lantern.gltf") else { return };
+    let (scene, warnings) = load(&path);
+    let missing: Vec<_> = warnings.iter().filter(|w| w.kind == WarningKind::MissingTexture).collect();
+    assert_eq!(missing.len(), 1);
+    assert!(missing[0].message.contains("Lantern_baseColor.png"), "{}", missing[0]);
+    assert!(scene.materials[0].base_color_texture.is_none());
+}
+
+#[test]
+fn a_scene_without_light_names_the_settings_that_give_one() {
+    let Some(path) = shared("assets/playcanvas-house/house.glb") else { return };
+    let error = scene::load(&path, &LoadOptions::default()).expect_err("the house is dark");
+    assert!(matches!(error.fault, scene::Fault::NoLight));
+    for flag in ["--sky", "--sun", "--env", "house.glb"] {
+        assert!(error.to_string().contains(flag), "{error}");
+    }
+    let sky = LoadOptions { sky: Some(glam::Vec3::ONE), ..LoadOptions::default() };
+    assert!(scene::load(&path, &sky).is_ok());
+    let sun = LoadOptions { sun: Some(scene::Sun::default()), ..LoadOptions::default() };
+    assert_eq!(scene::load(&path, &sun).expect("sunlit").0.lights.len(), 1);
+}
+
+#[test]
+fn raw_intensities_are_warned_about_and_physical_ones_are_not() {
+    let Some(assets) = shared("assets") else { return };
+    let warns = |file: &str| load(&assets.join(file)).1.iter().any(|w| w.kind == WarningKind::LightUnits);
+    assert!(warns("playcanvas-Lights/Lights.glb"));
+    assert!(!warns("bevy-VolumetricFogExample/VolumetricFogExample.glb"), "its sun has 68 300 lux");
+}
+
+#[test]
+fn required_strangers_are_refused_by_name() {
+    let Some(folder) = shared("assets/asset-generator/Compatibility") else { return };
+    let mut refused = Vec::new();
+    for i in 0..7 {
+        let path = folder.join(format!("Compatibility_{i:02}.gltf"));
+        let options = LoadOptions { require_light: false, ..LoadOptions::default() };
+        if let Err(error) = scene::load(&path, &options) {
+            refused.push((i, error.to_string()));
+        }
+    }
+    // The folder's README: 04 asks for minVersion 2.1, 05 requires an extension that nobody has, the others must load.
+    assert_eq!(refused.iter().map(|(i, _)| *i).collect::<Vec<_>>(), [4, 5], "{refused:?}");
+    assert!(refused[0].1.contains("asset.minVersion is `2.1`"), "{refused:?}");
+    assert!(refused[1].1.contains("FAKE_materials_quantumRendering"), "{refused:?}");
+}
+
+#[test]
+fn environments_and_profiles_of_the_collection_load() {
+    let Some(assets) = shared("assets") else { return };
+    let env = scene::Env {
+        file: assets.join("hdr-spiaggia_di_mondello_1k/spiaggia_di_mondello_1k.hdr"),
+        rotation_deg: 90.0,
+        scale: 2.0,
+    };
+    let profile = scene::Ies { file: assets.join("ies-arnold-a/6.ies"), scale: 1.0 };
+    let mut options = LoadOptions { env: Some(env), ..LoadOptions::default() };
+    options.ies.insert("nobody".into(), profile);
+    let (scene, warnings) =
+        scene::load(&assets.join("bevy-CornellBox/CornellBox.glb"), &options).expect("loads with an environment");
+    let environment = scene.environment.expect("was asked for");
+    assert_eq!((environment.width, environment.height, environment.radiance.len()), (1024, 512, 1024 * 512));
+    assert!(environment.radiance.iter().all(|r| r.is_finite() && r.min_element() >= 0.0));
+    assert!(warnings.iter().any(|w| w.kind == WarningKind::UnusedSetting && w.message.contains("nobody")));
+}

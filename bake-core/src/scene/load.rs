@@ -11,7 +11,7 @@ use super::nodes::{self, Placed};
 use super::options::LoadOptions;
 use super::primitive::Source;
 use super::warning::{Warning, WarningKind, Warnings};
-use super::{Instance, Material, Mesh, Scene, container, environment, extensions, light, mesh};
+use super::{Instance, Material, Mesh, Scene, container, environment, extensions, light, mesh, references};
 use glam::{Affine3A, DAffine3, DVec3, Vec3};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -49,6 +49,8 @@ fn build(bytes: &[u8], path: &Path, options: &LoadOptions, warnings: &mut Warnin
     let files = Files::new(path, bytes.len());
     let buffers = Buffers::new(&document, parts.bin.map(|range| &bytes[range]), &files)?;
     let accessors = Accessors::new(&document, &buffers)?;
+    references::check(&document)?;
+    nodes::check_tree(&document)?;
     let scene_index = nodes::choose(&document, options.scene.as_ref())?;
     let placed = nodes::flatten(&document, scene_index, &files.geometry)?;
     let source = Source { document: &document, accessors: &accessors, buffers: &buffers, files: &files };

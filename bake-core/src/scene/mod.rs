@@ -22,6 +22,7 @@ mod mesh;
 mod nodes;
 mod options;
 mod primitive;
+mod references;
 pub mod surface;
 mod warning;
 

@@ -43,15 +43,10 @@ fn unknown_scene(chosen: String, document: &Document) -> Refusal {
     Fault::value(chosen, format!("one of: {}", names.join(", "))).at(&Place::root("--scene"))
 }
 
-/// All visible nodes of a scene, parents before children, in file order.
-///
-/// Every node of the file is checked for loops and second parents, also those of other scenes.
+/// All visible nodes of a scene, parents before children, in file order; [`check_tree`] has seen the document.
 pub(super) fn flatten<'a>(document: &'a Document, scene: usize, names: &Allowance) -> Result<Vec<Placed<'a>>, Refusal> {
-    check_tree(document)?;
-    let place = Place::entry("scenes", scene);
     let mut open = Vec::new();
-    for (i, &root) in document.scenes[scene].nodes.iter().enumerate().rev() {
-        lookup(&document.nodes, "nodes", root, &place.item("nodes", i))?;
+    for &root in document.scenes[scene].nodes.iter().rev() {
         open.push((root, String::new(), DAffine3::IDENTITY));
     }
     let mut placed: Vec<Placed> = Vec::new();
@@ -82,8 +77,8 @@ fn join(parent: &str, node: &Node, index: u32) -> String {
     if parent.is_empty() { name } else { format!("{parent}/{name}") }
 }
 
-/// glTF 2.0, section 3.5.2: a strict tree, no node with two parents, no loops.
-fn check_tree(document: &Document) -> Result<(), Refusal> {
+/// glTF 2.0, section 3.5.2: no node with two parents, no loops, scenes list roots. Checks all nodes of all scenes.
+pub(super) fn check_tree(document: &Document) -> Result<(), Refusal> {
     let mut parent: Vec<Option<u32>> = vec![None; document.nodes.len()];
     for (index, node) in document.nodes.iter().enumerate() {
         let at = Place::entry("nodes", index);
@@ -207,7 +202,8 @@ mod tests {
     fn paths(json: &str) -> Result<Vec<String>, String> {
         let document = document(json);
         let files = Files::new(std::path::Path::new("a.gltf"), json.len());
-        flatten(&document, 0, &files.geometry)
+        check_tree(&document)
+            .and_then(|()| flatten(&document, 0, &files.geometry))
             .map(|nodes| nodes.into_iter().map(|n| n.path).collect())
             .map_err(|refusal| refusal.into_error(std::path::Path::new("a.gltf")).to_string())
     }

@@ -1,0 +1,286 @@
+//! Damaged files: no panic, no hang, no memory out of proportion, and a message that names file, place and next step.
+
+use bake_core::scene::{self, LoadError, LoadOptions};
+use peak_alloc::PeakAlloc;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard};
+use std::time::{Duration, Instant};
+use testkit::reference::{shared, workspace};
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+/// The allocator counts for the whole process, so tests take turns.
+static TURN: Mutex<()> = Mutex::new(());
+
+fn turn() -> MutexGuard<'static, ()> {
+    TURN.lock().unwrap_or_else(|broken| broken.into_inner())
+}
+
+/// Far beyond what any of these files takes, so that only a true hang fails on a busy machine.
+const HANG: Duration = Duration::from_secs(20);
+
+/// What loading did.
+struct Outcome {
+    error: Option<LoadError>,
+    seconds: f64,
+}
+
+/// Loads, and checks memory, time and message.
+fn attempt(bytes: &[u8], path: &Path, input: u64) -> Outcome {
+    let options = LoadOptions { require_light: false, ..LoadOptions::default() };
+    let before = MEMORY.current_usage() as u64;
+    MEMORY.reset_peak_usage();
+    let start = Instant::now();
+    let result = scene::load_from_bytes(bytes, path, &options);
+    let elapsed = start.elapsed();
+    let taken = (MEMORY.peak_usage() as u64).saturating_sub(before);
+    // Allowances of the loader (geometry 16 MiB + 256 times the input, pixels 64 MiB + 1100 times), with working space.
+    let allowed = (128 << 20) + 2000 * input;
+    assert!(taken <= allowed, "{}: {taken} bytes for an input of {input}, allowed {allowed}", path.display());
+    assert!(elapsed < HANG, "{}: {elapsed:?}", path.display());
+    let error = result.err();
+    if let Some(error) = &error {
+        let text = error.to_string();
+        assert!(text.contains("; ") && !error.fault.next_step().is_empty(), "no next step in: {text}");
+        assert!(text.starts_with(&*error.file.to_string_lossy()), "no file in: {text}");
+    }
+    Outcome { error, seconds: elapsed.as_secs_f64() }
+}
+
+fn files_below(folder: &Path, out: &mut Vec<PathBuf>) {
+    let mut entries: Vec<_> =
+        std::fs::read_dir(folder).expect("a folder").map(|e| e.expect("an entry").path()).collect();
+    entries.sort();
+    for path in entries {
+        match path.is_dir() {
+            true => files_below(&path, out),
+            false if path.extension().is_some_and(|e| e == "gltf" || e == "glb") => out.push(path),
+            false => {}
+        }
+    }
+}
+
+/// Error codes that a baker must find itself; the validator's report says where.
+const OURS: &[&str] = &[
+    "ACCESSOR_TOO_LONG",
+    "BUFFER_VIEW_TOO_LONG",
+    "BUFFER_BYTE_LENGTH_MISMATCH",
+    "UNRESOLVED_REFERENCE",
+    "NODE_LOOP",
+    "NODE_PARENT_OVERRIDE",
+    "GLB_INVALID_MAGIC",
+    "GLB_INVALID_VERSION",
+    "GLB_LENGTH_MISMATCH",
+    "GLB_CHUNK_TOO_BIG",
+    "GLB_UNEXPECTED_FIRST_CHUNK",
+    "GLB_UNEXPECTED_END_OF_HEADER",
+    "GLB_UNEXPECTED_END_OF_CHUNK_HEADER",
+    "GLB_UNEXPECTED_END_OF_CHUNK_DATA",
+    "GLB_DUPLICATE_CHUNK",
+    "INVALID_JSON",
+];
+
+/// Parts of a document that no bake reads.
+const NOT_READ: &[&str] = &["/animations", "/skins", "/cameras", "KHR_materials_variants", "/camera", "/skin"];
+
+/// `/nodes/0/children/1` as `nodes[0].children[1]`.
+fn dotted(pointer: &str) -> String {
+    let mut out = String::new();
+    for part in pointer.split('/').skip(1) {
+        if part.parse::<u32>().is_ok() {
+            out += &format!("[{part}]");
+        } else {
+            out += if out.is_empty() { "" } else { "." };
+            out += part;
+        }
+    }
+    out
+}
+
+#[test]
+fn the_validators_own_test_files_are_survived_and_refused_by_place() {
+    let Some(suite) = shared("assets/validator-suite") else { return };
+    let _turn = turn();
+    let mut files = Vec::new();
+    files_below(&suite, &mut files);
+    assert!(files.len() > 250, "only {} files", files.len());
+    let (mut refused, mut placed, mut owed) = (0, 0, Vec::new());
+    for path in &files {
+        let bytes = std::fs::read(path).expect("readable");
+        let outcome = attempt(&bytes, path, 1 << 20);
+        refused += usize::from(outcome.error.is_some());
+        let report = std::fs::read(format!("{}.report.json", path.display())).expect("a report");
+        let report: serde_json::Value = serde_json::from_slice(&report).expect("JSON");
+        let messages = report["issues"]["messages"].as_array().cloned().unwrap_or_default();
+        let text = |m: &serde_json::Value, key: &str| m[key].as_str().unwrap_or_default().to_owned();
+        let ours: Vec<_> = messages
+            .iter()
+            .filter(|m| m["severity"] == 0 && OURS.contains(&&*text(m, "code")))
+            .map(|m| (text(m, "code"), text(m, "pointer")))
+            .filter(|(_, pointer)| !NOT_READ.iter().any(|part| pointer.contains(part)))
+            .collect();
+        let Some(error) = outcome.error else {
+            owed.extend(ours.iter().map(|(code, pointer)| format!("{}: {code} {pointer} not refused", path.display())));
+            continue;
+        };
+        let Some((code, pointer)) = ours.first() else { continue };
+        let place = format!("{} {}", error.object, error.fault);
+        let near = |pointer: &str| place.contains(&dotted(pointer)) || dotted(pointer).starts_with(&error.object);
+        match pointer.is_empty() || ours.iter().any(|(_, pointer)| near(pointer)) {
+            true => placed += 1,
+            false => owed.push(format!("{}: {code} {pointer} refused as {error}", path.display())),
+        }
+    }
+    println!("{} files, {refused} refused, {placed} with the validator's place", files.len());
+    assert!(owed.is_empty(), "{}", owed.join("\n"));
+    assert!(placed >= 20, "only {placed} places were compared");
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        (self.next() % n.max(1) as u64) as usize
+    }
+}
+
+/// A GLB taken apart, so that damage gets past the framing.
+#[derive(Clone)]
+struct Glb {
+    json: Vec<u8>,
+    bin: Vec<u8>,
+}
+
+impl Glb {
+    fn split(bytes: &[u8]) -> Self {
+        let length = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes")) as usize;
+        let json_end = 20 + length(12);
+        let bin = if bytes.len() > json_end { bytes[json_end + 8..].to_vec() } else { Vec::new() };
+        Self { json: bytes[20..json_end].to_vec(), bin }
+    }
+
+    fn join(&self) -> Vec<u8> {
+        let mut json = self.json.clone();
+        json.resize(json.len().next_multiple_of(4), b' ');
+        let mut out = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
+        for (kind, content) in [(b"JSON", &json), (b"BIN\0", &self.bin)] {
+            out.extend((content.len() as u32).to_le_bytes());
+            out.extend(kind);
+            out.extend(content);
+        }
+        let length = out.len() as u32;
+        out[8..12].copy_from_slice(&length.to_le_bytes());
+        out
+    }
+
+    /// Replaces one number of the JSON part.
+    fn change_number(&mut self, random: &mut Random) {
+        const VALUES: &[&str] = &[
+            "0",
+            "1",
+            "2",
+            "3",
+            "5",
+            "7",
+            "-1",
+            "255",
+            "65535",
+            "4294967295",
+            "4294967296",
+            "18446744073709551615",
+            "1e39",
+            "-1e39",
+            "0.5",
+            "5120",
+            "5121",
+            "5123",
+            "5125",
+            "5126",
+            "null",
+            "\"x\"",
+            "[]",
+            "{}",
+        ];
+        let starts: Vec<usize> = (1..self.json.len())
+            .filter(|&i| self.json[i].is_ascii_digit() && matches!(self.json[i - 1], b':' | b',' | b'[' | b' ' | b'-'))
+            .collect();
+        let Some(&start) = starts.get(random.below(starts.len())) else { return };
+        let numeric = |b: &u8| b.is_ascii_digit() || matches!(b, b'.' | b'e' | b'E' | b'-' | b'+');
+        let end = start + self.json[start..].iter().take_while(|b| numeric(b)).count();
+        self.json.splice(start..end, VALUES[random.below(VALUES.len())].bytes());
+    }
+
+    fn damage(&mut self, random: &mut Random) {
+        const BYTES: &[u8] = &[0, 1, 0x7F, 0x80, 0xFE, 0xFF];
+        for _ in 0..1 + random.below(3) {
+            let (at, byte) = (random.next() as usize, BYTES[random.below(BYTES.len())]);
+            match random.below(8) {
+                0 => self.json[at % self.json.len().max(1)] = byte,
+                1 if !self.bin.is_empty() => self.bin.truncate(at % self.bin.len()),
+                2..=4 if !self.bin.is_empty() => {
+                    let at = at % self.bin.len();
+                    let end = (at + 1 + random.below(4)).min(self.bin.len());
+                    self.bin[at..end].fill(byte);
+                }
+                _ => self.change_number(random),
+            }
+        }
+    }
+}
+
+/// Small GLBs: scenes of our own, and compressed ones of the shared collection where it is there.
+fn seeds() -> Vec<Glb> {
+    let mut paths: Vec<PathBuf> = ["plane_point", "plane_rect", "instances", "lit_room", "occluders"]
+        .iter()
+        .map(|name| workspace().join(format!("scenes/{name}.glb")))
+        .collect();
+    for name in [
+        "playcanvas-heart_draco/heart_draco.glb",
+        "gltf-transform-BoxMeshopt/BoxMeshopt.glb",
+        "playcanvas-Lights/Lights.glb",
+        "SimpleInstancing/SimpleInstancing.glb",
+    ] {
+        paths.extend(shared(&format!("assets/{name}")));
+    }
+    paths.iter().map(|path| Glb::split(&std::fs::read(path).expect("a scene"))).collect()
+}
+
+#[test]
+fn mutated_scenes_are_loaded_or_refused() {
+    let _turn = turn();
+    let long = std::env::var_os("BAKE_LONG").is_some();
+    let count = if long { 1_000_000 } else { 20_000 };
+    let seeds = seeds();
+    let mut kinds: BTreeMap<String, usize> = BTreeMap::new();
+    let (mut loaded, mut slowest) = (0, 0.0f64);
+    for i in 0..count {
+        let mut glb = seeds[i % seeds.len()].clone();
+        glb.damage(&mut Random(i as u64));
+        let bytes = glb.join();
+        let outcome = attempt(&bytes, Path::new("mutated.glb"), bytes.len() as u64);
+        slowest = slowest.max(outcome.seconds);
+        match outcome.error {
+            None => loaded += 1,
+            Some(error) => {
+                let kind = format!("{:?}", error.fault);
+                *kinds.entry(kind.split([' ', '(']).next().unwrap_or_default().to_owned()).or_default() += 1;
+            }
+        }
+    }
+    println!("{count} files: {loaded} loaded, slowest {slowest:.3} s, refused {kinds:?}");
+    // The damage must be neither so gentle nor so coarse that the checks are not reached.
+    assert!(loaded > count / 20 && loaded < count * 19 / 20, "{loaded} of {count} loaded");
+    for kind in ["Json", "Reference", "Value", "Bounds", "Decode", "NoTriangles"] {
+        assert!(kinds.contains_key(kind), "no {kind} among {kinds:?}");
+    }
+}
