@@ -18,7 +18,7 @@ pub fn scene() -> SceneFiles {
     glb.node(None, "room", Place::ORIGIN, Content::Mesh(walls));
     for (name, size, material, place) in [
         ("table", DVec3::new(1.4, 0.75, 0.8), wood, Place::at(3.2, 0.0, 1.5).turned_deg(15.0)),
-        ("shelf", DVec3::new(0.4, 1.9, 1.2), blue, Place::at(0.21, 0.0, 2.4)),
+        ("shelf", DVec3::new(0.4, 1.9, 1.2), blue, Place::at(0.4, 0.0, 2.4)),
         ("crate", DVec3::new(0.5, 0.5, 0.5), white, Place::at(1.6, 0.0, 0.7).turned_deg(-35.0)),
     ] {
         let half = DVec3::new(size.x / 2.0, 0.0, size.z / 2.0);
