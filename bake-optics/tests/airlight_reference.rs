@@ -203,7 +203,9 @@ fn general_airlight_in_closed_form() {
 #[test]
 fn general_airlight_in_single_precision() {
     let Some(path) = shared("reference/airlight_general.csv") else { return };
-    let mut smooth = Worst::new("f32, 24+24 nodes, isotropic lamps", 5e-5);
+    let mut smooth = Worst::new("f32, 24+24 nodes, isotropic lamps", 1e-5);
+    // 24+24 nodes resolve |g| = 0.9 no better in f64 when the lamp is 1e-6 m from the ray.
+    let mut forward = Worst::new("f32, 24+24 nodes, isotropic lamps, |g| = 0.9", 5e-5);
     let mut peaked = Worst::new("f32, 24+24 nodes, lamps of order 10, relative to isotropic", 5e-4);
     for row in read_csv(&path) {
         let (sight, air) = general::<f32>(&row);
@@ -227,7 +229,12 @@ fn general_airlight_in_single_precision() {
         let got = f64::from(Quadrature::new(24).radiance(&sight, &printed(&row), &air));
         if row.text("light") == "iso" {
             if want > 1e-30 {
-                smooth.relative(got, want, || format!("{row:?}"));
+                let worst = if row.text("phase") == "hg" && row.number("phase_param").abs() > 0.5 {
+                    &mut forward
+                } else {
+                    &mut smooth
+                };
+                worst.relative(got, want, || format!("{row:?}"));
             }
         } else {
             let scale = Oracle::default().radiance(&wide, &Emitter::Isotropic, &truth);
@@ -237,6 +244,7 @@ fn general_airlight_in_single_precision() {
         }
     }
     smooth.check();
+    forward.check();
     peaked.check();
 }
 

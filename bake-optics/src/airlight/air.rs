@@ -18,8 +18,8 @@ pub trait Air<T: Real> {
     /// Σ σ_s Φ, 1/(m sr), at distance `s`.
     fn scattering(&self, s: T, deflection: Deflection<T>) -> T;
 
-    /// Distance beyond which less than e^{−`depth`} of the light passes; at most the sight's length.
-    fn end(&self, sight: &Sight<T>, depth: T) -> T;
+    /// Distance beyond which less than e^{−`depth`} of the light passes that passes by way of `from`; at most the sight's length.
+    fn end(&self, sight: &Sight<T>, from: T, depth: T) -> T;
 
     /// Distances where the integrand has corners.
     fn breaks(&self) -> &[T] {
@@ -54,8 +54,12 @@ impl<T: Real> Air<T> for UniformAir<T> {
     }
 
     #[inline]
-    fn end(&self, sight: &Sight<T>, depth: T) -> T {
-        if self.sigma_t == T::zero() { sight.length } else { sight.reach(depth / self.sigma_t).min(sight.length) }
+    fn end(&self, sight: &Sight<T>, from: T, depth: T) -> T {
+        if self.sigma_t == T::zero() {
+            return sight.length;
+        }
+        let passed = if from == T::zero() { from } else { sight.excess(from) };
+        sight.reach(passed + depth / self.sigma_t).min(sight.length)
     }
 }
 
@@ -109,13 +113,14 @@ impl Air<f64> for MediumAlong<'_> {
         media.map(|m| m.density_at(point) * m.scatter.sigma_s[self.channel] * m.phase.eval_deflected(deflection)).sum()
     }
 
-    fn end(&self, sight: &Sight<f64>, depth: f64) -> f64 {
+    fn end(&self, sight: &Sight<f64>, from: f64, depth: f64) -> f64 {
         let whole = self.depth(&self.ray);
-        if whole < depth && self.ray.length.is_finite() {
+        let target = self.depth(&Ray { length: from, ..self.ray }) + depth;
+        if whole < target && self.ray.length.is_finite() {
             return sight.length;
         }
         // An infinite ray through air that ends or thins out: all but a share below rounding.
-        self.set.free_path(&self.ray, self.channel, depth.min(whole * (1.0 - 1e-13))).min(sight.length)
+        self.set.free_path(&self.ray, self.channel, target.min(whole * (1.0 - 1e-13))).min(sight.length)
     }
 
     fn breaks(&self) -> &[f64] {

@@ -13,6 +13,12 @@ use crate::quadrature::GaussLegendre;
 /// Most rays need no allocation.
 pub(crate) type Panels<T> = SmallVec<[Panel<T>; 4]>;
 
+/// Distances from the eye of both ends.
+pub(crate) type Pieces<T> = SmallVec<[(T, T); 4]>;
+
+/// Optical depth at which even f64 has nothing left.
+const FARTHEST: f64 = 700.0;
+
 /// Part of a view ray on one side of the lamp's foot, where the lamp is lit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Panel<T> {
@@ -44,20 +50,36 @@ impl<T: Real, A: Air<T> + ?Sized, E: Lamp<T>> Integrand<'_, T, A, E> {
     }
 
     /// Lit pieces of the ray, cut at jumps, borders and `more` places; empty ones and those in the lamp's dark are left out.
-    pub fn pieces(&self, depth: T, more: &[T]) -> SmallVec<[(T, T); 4]> {
-        let (sight, end) = (self.sight, self.air.end(self.sight, depth));
+    ///
+    /// `depth` counts from the first lit place: what lies behind a long dark stretch is still all of the light.
+    pub fn pieces(&self, depth: T, more: &[T]) -> Pieces<T> {
+        let (sight, zero) = (self.sight, T::zero());
         let jumps = self.lamp.jumps();
-        let mut cuts: SmallVec<[T; 8]> = SmallVec::new();
-        cuts.extend(jumps.iter().flat_map(|&c| sight.crossings(c)));
-        cuts.extend(self.air.breaks().iter().copied());
-        cuts.extend_from_slice(more);
-        cuts.retain(|s| *s > T::zero() && *s < end);
+        if jumps.is_empty() {
+            return self.cut_at(more.iter().chain(self.air.breaks()).copied(), self.air.end(sight, zero, depth));
+        }
+        let places =
+            jumps.iter().flat_map(|&c| sight.crossings(c)).chain(more.iter().chain(self.air.breaks()).copied());
+        let everything = self.air.end(sight, zero, T::of(FARTHEST).max(depth));
+        let mut lit = self.cut_at(places, everything);
+        lit.retain(|&mut (from, to)| self.is_lit(from, to));
+        if let Some(&(first, _)) = lit.first() {
+            let end = self.air.end(sight, first, depth);
+            lit.retain(|&mut (from, _)| from < end);
+            lit.iter_mut().for_each(|piece| piece.1 = piece.1.min(end));
+        }
+        lit
+    }
+
+    /// [0, end] cut at places.
+    fn cut_at(&self, places: impl Iterator<Item = T>, end: T) -> Pieces<T> {
+        let mut cuts: SmallVec<[T; 8]> = places.filter(|s| *s > T::zero() && *s < end).collect();
         cuts.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
         cuts.push(end);
         let mut from = T::zero();
-        let mut pieces = SmallVec::new();
+        let mut pieces = Pieces::new();
         for to in cuts {
-            if from < to && (jumps.is_empty() || self.is_lit(from, to)) {
+            if from < to {
                 pieces.push((from, to));
             }
             from = to;
@@ -69,6 +91,17 @@ impl<T: Real, A: Air<T> + ?Sized, E: Lamp<T>> Integrand<'_, T, A, E> {
     fn is_lit(&self, from: T, to: T) -> bool {
         let middle = if to.is_finite() { T::of(0.5) * (from + to) } else { from + T::one() };
         self.lamp.intensity(self.sight.cos_axis(&self.sight.point(middle))) != T::zero()
+    }
+
+    /// Gauss–Legendre sum over a whole panel. Past the foot nodes are drawn towards it, where most of the light is.
+    pub fn graded_sum(&self, panel: &Panel<T>, rule: &GaussLegendre<T>) -> T {
+        let pull = if panel.past { grading(panel.width) } else { T::zero() };
+        let terms = rule.nodes().iter().map(|&(node, weight)| {
+            let (rest, bent) = (T::one() - pull, pull * node);
+            let (point, density) = panel.point(self.sight.h, panel.width * node * (rest + bent));
+            weight * (rest + bent + bent) * density * self.value(&point)
+        });
+        terms.fold(T::zero(), |sum, term| sum + term) * panel.width
     }
 
     /// Gauss–Legendre sum over the part [from, from + width] of a panel, in its variable.
@@ -88,6 +121,14 @@ impl<T: Real, A: Air<T> + ?Sized, E: Lamp<T>> Integrand<'_, T, A, E> {
         let intensity = self.lamp.intensity(self.sight.cos_axis(point));
         intensity * self.air.scattering(point.s, point.deflection) * self.air.transmittance(point)
     }
+}
+
+/// How far nodes are drawn towards the foot, 0 (evenly in ln y) to 0.8, for a panel of a given width.
+///
+/// Beyond a few e-folds light falls as 1/y, so even spacing wastes nodes. Measured over the rays of `docs/airlight.md`: the
+/// largest error falls 3 to 12 times against even spacing; any factor from 0.05 to 0.1 does.
+fn grading<T: Real>(width: T) -> T {
+    (T::of(0.05) * (width - T::of(2.0))).max(T::zero()).min(T::of(0.8))
 }
 
 impl<T: Real> Panel<T> {

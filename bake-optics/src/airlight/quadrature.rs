@@ -46,7 +46,7 @@ impl<T: Real, A: Air<T> + ?Sized, E: Lamp<T>> Airlight<T, A, E> for Quadrature {
         let rule = GaussLegendre::<T>::cached(if both { self.nodes } else { 2 * self.nodes });
         let mut sum = T::zero();
         for panel in &panels {
-            sum += integrand.sum(panel, T::zero(), panel.width(), rule);
+            sum += integrand.graded_sum(panel, rule);
         }
         sum * air.common_transmittance(sight)
     }

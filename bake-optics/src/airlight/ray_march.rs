@@ -19,7 +19,7 @@ impl<T: Real, A: Air<T> + ?Sized, E: Lamp<T>> Airlight<T, A, E> for RayMarch {
         if sight.meets_lamp() {
             return T::infinity();
         }
-        let step = air.end(sight, T::of(12.0)) / T::of(self.steps as f64);
+        let step = air.end(sight, T::zero(), T::of(12.0)) / T::of(self.steps as f64);
         let square = sight.h * sight.h;
         let mut sum = T::zero();
         for i in 0..self.steps {
