@@ -50,7 +50,7 @@ fn check<V: Lanes, const N: usize>(pack: impl Fn([f32; N]) -> V, unpack: impl Fn
                 if want > 1e-30 {
                     worst.relative(got.into(), want, || format!("{ray:?}"));
                 } else {
-                    assert!(got >= 0.0 && got < 1e-29, "{ray:?}: {got}");
+                    assert!((0.0..1e-29).contains(&got), "{ray:?}: {got}");
                 }
             }
         }

@@ -19,17 +19,28 @@ pub(crate) type Pieces<T> = SmallVec<[(T, T); 4]>;
 /// Optical depth at which even f64 has nothing left.
 const FARTHEST: f64 = 700.0;
 
+/// Which variable serves a panel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Side {
+    /// Before the foot: 1/x.
+    Before,
+    /// Past the foot: ln y.
+    Past,
+    /// Past the foot and endless, without extinction that would end it: −1/y.
+    Endless,
+}
+
 /// Part of a view ray on one side of the lamp's foot, where the lamp is lit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Panel<T> {
-    past: bool,
+    side: Side,
     /// Distance of its start from the eye.
     from: T,
     /// x or y at its start.
     start: T,
     /// Excess path at its start.
     excess: T,
-    /// Width in 1/x or ln y.
+    /// Width in the side's variable.
     width: T,
 }
 
@@ -95,7 +106,7 @@ impl<T: Real, A: Air<T> + ?Sized, E: Lamp<T>> Integrand<'_, T, A, E> {
 
     /// Gauss–Legendre sum over a whole panel. Past the foot nodes are drawn towards it, where most of the light is.
     pub fn graded_sum(&self, panel: &Panel<T>, rule: &GaussLegendre<T>) -> T {
-        let pull = if panel.past { grading(panel.width) } else { T::zero() };
+        let pull = if panel.side == Side::Past { grading(panel.width) } else { T::zero() };
         let terms = rule.nodes().iter().map(|&(node, weight)| {
             let (rest, bent) = (T::one() - pull, pull * node);
             let (point, density) = panel.point(self.sight.h, panel.width * node * (rest + bent));
@@ -139,13 +150,16 @@ impl<T: Real> Panel<T> {
         let excess = if from == T::zero() { from } else { sight.excess(from) };
         // Slope of r between the ends: (r_b − r_a)/(b − a).
         let slope = if rb.is_finite() { (za + zb) / (ra + rb) } else { one };
-        if za + zb > T::zero() {
-            let start = ra + za.max(T::zero());
-            Self { past: true, from, start, excess, width: ((to - from) * (one + slope) / start).ln_1p() }
-        } else {
+        if za + zb <= T::zero() {
             let start = ra - za;
-            Self { past: false, from, start, excess, width: (to - from) * (one - slope) / start / (rb - zb) }
+            let width = (to - from) * (one - slope) / start / (rb - zb);
+            return Self { side: Side::Before, from, start, excess, width };
         }
+        let start = ra + za.max(T::zero());
+        if to == T::infinity() {
+            return Self { side: Side::Endless, from, start, excess, width: one / start };
+        }
+        Self { side: Side::Past, from, start, excess, width: ((to - from) * (one + slope) / start).ln_1p() }
     }
 
     /// Width in the panel's variable.
@@ -155,27 +169,41 @@ impl<T: Real> Panel<T> {
 
     /// Whether it lies past the foot.
     pub fn is_past(&self) -> bool {
-        self.past
+        self.side != Side::Before
     }
 
     /// Point at `offset` in the panel's variable, and ds/r² per unit of that variable.
     #[inline(always)]
     fn point(&self, h: T, offset: T) -> (PathPoint<T>, T) {
         let (one, two, half) = (T::one(), T::of(2.0), T::of(0.5));
-        if self.past {
-            // y = y_0 e^offset; dy/(h² + y²) = doffset/(y (1 + (h/y)²)).
-            let grown = self.start * offset.exp_m1();
-            let y = self.start + grown;
-            let q = h / y;
-            let s = self.from + half * grown * (one + q * (h / self.start));
-            (PathPoint::new(s, self.excess + grown, q, true), two / (y * (one + q * q)))
-        } else {
-            // 1/x = 1/x_0 + offset; y = h²/x.
-            let inverse = one / self.start + offset;
-            let p = h * inverse;
-            let grown = h * h * offset;
-            let s = self.from + half * (grown + self.start * offset / inverse);
-            (PathPoint::new(s, self.excess + grown, p, false), two / (one + p * p))
+        match self.side {
+            Side::Before => {
+                // 1/x = 1/x_0 + offset; y = h²/x.
+                let inverse = one / self.start + offset;
+                let p = h * inverse;
+                let grown = h * h * offset;
+                let s = self.from + half * (grown + self.start * offset / inverse);
+                (PathPoint::new(s, self.excess + grown, p, false), two / (one + p * p))
+            }
+            Side::Past => {
+                // y = y_0 e^offset; dy/(h² + y²) = doffset/(y (1 + (h/y)²)).
+                let grown = self.start * offset.exp_m1();
+                let y = self.start + grown;
+                let q = h / y;
+                (self.past(h, grown, q), two / (y * (one + q * q)))
+            }
+            Side::Endless => {
+                // 1/y = 1/y_0 − offset.
+                let inverse = one / self.start - offset;
+                let q = h * inverse;
+                (self.past(h, one / inverse - self.start, q), two / (one + q * q))
+            }
         }
+    }
+
+    #[inline(always)]
+    fn past(&self, h: T, grown: T, q: T) -> PathPoint<T> {
+        let s = self.from + T::of(0.5) * grown * (T::one() + q * (h / self.start));
+        PathPoint::new(s, self.excess + grown, q, true)
     }
 }
