@@ -1,7 +1,7 @@
 //! Which surface points of a texel light can be gathered from.
 //!
-//! A point most of whose rays meet back faces lies inside other geometry; a point that does not see the texel's first
-//! good point lies on the other side of a wall. Neither is used, so that no light passes through closed walls, and
+//! A point most of whose rays meet back faces lies inside other geometry; a point that does not see the texel's middle
+//! one lies on the other side of a wall. Neither is used, so that no light passes through closed walls, and
 //! a texel without any good point is buried.
 
 use super::path::{Paths, Vertex};
@@ -27,15 +27,15 @@ pub struct Start {
 
 /// The usable points of a texel; empty when it is buried.
 pub fn starts(paths: &Paths, page: &Page, texel: &Texel) -> Vec<Start> {
-    let points = page.points_of(texel);
     let seed = hash(u32::from(texel.x), u32::from(texel.y));
-    let mut good: Vec<(Vertex, f32)> = Vec::with_capacity(points.len());
-    for (index, point) in points.iter().enumerate() {
-        let vertex = vertex_at(paths, point);
-        let visible = good.first().is_none_or(|(first, _)| sees(paths, first, &vertex));
-        if visible && !is_buried(paths, &vertex, hash(seed, index as u32)) {
-            good.push((vertex, point.weight));
-        }
+    let points = page.points_of(texel).iter().enumerate();
+    let mut good: Vec<(Vertex, f32)> = points
+        .map(|(index, point)| (index as u32, vertex_at(paths, point), point.weight))
+        .filter(|(index, vertex, _)| !is_buried(paths, vertex, hash(seed, *index)))
+        .map(|(_, vertex, weight)| (vertex, weight))
+        .collect();
+    if let Some(middle) = middle(&good) {
+        good.retain(|(vertex, _)| sees(paths, &middle, vertex));
     }
     let total: f32 = good.iter().map(|(_, weight)| weight).sum();
     let mut sum = 0.0;
@@ -45,6 +45,14 @@ pub fn starts(paths: &Paths, page: &Page, texel: &Texel) -> Vec<Start> {
             Start { vertex, cumulative: sum / total }
         })
         .collect()
+}
+
+/// The point nearest to the mean of all.
+fn middle(points: &[(Vertex, f32)]) -> Option<Vertex> {
+    let total: f32 = points.iter().map(|(_, weight)| weight).sum();
+    let mean = points.iter().map(|(vertex, weight)| vertex.origin * *weight).sum::<Vec3>() / total;
+    let distance = |vertex: &Vertex| vertex.origin.distance_squared(mean);
+    points.iter().map(|(vertex, _)| *vertex).min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
 /// The start that a number in [0, 1) falls on.
