@@ -371,4 +371,6 @@ impl Shared {
 }
 
 #[cfg(test)]
+mod assets;
+#[cfg(test)]
 mod tests;

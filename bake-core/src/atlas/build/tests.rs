@@ -51,7 +51,7 @@ fn check_laws(scene: &Scene, atlas: &Atlas) {
 }
 
 /// Bilinear lookups, at surface points spread over all triangles, that read a texel of another chart.
-fn crossing_lookups(atlas: &Atlas, per_triangle: u32) -> usize {
+pub(super) fn crossing_lookups(atlas: &Atlas, per_triangle: u32) -> usize {
     let owners: Vec<BTreeMap<(i64, i64), u32>> = atlas
         .pages
         .iter()
@@ -81,7 +81,7 @@ fn crossing_lookups(atlas: &Atlas, per_triangle: u32) -> usize {
     crossing
 }
 
-fn built(scene: &Scene, settings: &AtlasSettings) -> (Atlas, Vec<AtlasWarning>) {
+pub(super) fn built(scene: &Scene, settings: &AtlasSettings) -> (Atlas, Vec<AtlasWarning>) {
     let (atlas, warnings) = build(scene, settings).expect("builds");
     check_laws(scene, &atlas);
     (atlas, warnings)
