@@ -5,6 +5,7 @@
 //! The crate is silent: progress and warnings leave as values; it knows no command line, window or GPU.
 
 pub mod atlas;
+pub mod package;
 pub mod post;
 pub mod progress;
 pub mod scene;

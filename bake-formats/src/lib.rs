@@ -2,6 +2,7 @@
 
 pub mod baked_scene;
 mod baked_scene_read;
+pub mod diff;
 pub mod error;
 pub mod float_image;
 pub mod glb;

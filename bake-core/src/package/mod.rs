@@ -13,9 +13,7 @@ use crate::scene::Scene;
 use crate::solve::buffers::{PageBuffers, Validity};
 use bake_formats::error::Result;
 use bake_formats::float_image::PixelFormat;
-use bake_formats::manifest::{
-    EnvironmentRecord, ErrorEstimate, InstanceRecord, Manifest, PageRecord, Settings, Source,
-};
+use bake_formats::manifest::{EnvironmentRecord, ErrorEstimate, Manifest, PageRecord, Settings, Source};
 use bake_formats::{PackageWriter, Term};
 use glam::Vec3;
 use serde_json::Value;
@@ -134,6 +132,3 @@ fn median(mut values: Vec<f32>) -> f32 {
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }
-
-#[cfg(test)]
-mod tests;
