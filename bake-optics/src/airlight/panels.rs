@@ -7,6 +7,7 @@
 use smallvec::SmallVec;
 
 use crate::Real;
+use crate::airlight::sight::distance;
 use crate::airlight::{Air, Lamp, PathPoint, Sight};
 use crate::quadrature::GaussLegendre;
 
@@ -146,7 +147,7 @@ impl<T: Real> Panel<T> {
     fn new(sight: &Sight<T>, from: T, to: T) -> Self {
         let (one, h) = (T::one(), sight.h);
         let (za, zb) = (sight.z + from, sight.z + to);
-        let (ra, rb) = (za.hypot(h), zb.hypot(h));
+        let (ra, rb) = (distance(za, h), distance(zb, h));
         let excess = if from == T::zero() { from } else { sight.excess(from) };
         // Slope of r between the ends: (r_b − r_a)/(b − a).
         let slope = if rb.is_finite() { (za + zb) / (ra + rb) } else { one };
@@ -187,8 +188,7 @@ impl<T: Real> Panel<T> {
             }
             Side::Past => {
                 // y = y_0 e^offset; dy/(h² + y²) = doffset/(y (1 + (h/y)²)).
-                let grown = self.start * offset.exp_m1();
-                let y = self.start + grown;
+                let (grown, y) = self.grow(offset);
                 let q = h / y;
                 (self.past(h, grown, q), two / (y * (one + q * q)))
             }
@@ -198,6 +198,18 @@ impl<T: Real> Panel<T> {
                 let q = h * inverse;
                 (self.past(h, one / inverse - self.start, q), two / (one + q * q))
             }
+        }
+    }
+
+    /// y − y_0 and y. Rounding of y moves the exponent by σ y ε, which f64 can spare and f32 cannot.
+    #[inline(always)]
+    fn grow(&self, offset: T) -> (T, T) {
+        if T::epsilon() < T::of(1e-10) {
+            let y = self.start * offset.exp();
+            (y - self.start, y)
+        } else {
+            let grown = self.start * offset.exp_m1();
+            (grown, self.start + grown)
         }
     }
 

@@ -1,7 +1,8 @@
 //! The method that everyone uses: equal steps along the ray.
 
 use crate::Real;
-use crate::airlight::{Air, Airlight, Lamp, Sight};
+use crate::airlight::{Air, Airlight, Lamp, PathPoint, Sight};
+use crate::phase::Deflection;
 
 /// Air-light by `steps` midpoints at equal distances.
 ///
@@ -19,15 +20,19 @@ impl<T: Real, A: Air<T> + ?Sized, E: Lamp<T>> Airlight<T, A, E> for RayMarch {
         if sight.meets_lamp() {
             return T::infinity();
         }
+        let (one, eye) = (T::one(), sight.eye_distance());
         let step = air.end(sight, T::zero(), T::of(12.0)) / T::of(self.steps as f64);
-        let square = sight.h * sight.h;
         let mut sum = T::zero();
         for i in 0..self.steps {
-            let point = sight.point(step * T::of(i as f64 + 0.5));
-            let z = sight.z + point.s;
-            let intensity = lamp.intensity(sight.cos_axis(&point));
-            let light = air.scattering(point.s, point.deflection) * air.transmittance(&point);
-            sum += intensity * light / (z * z + square);
+            let s = step * T::of(i as f64 + 0.5);
+            let z = sight.z + s;
+            let r = (z * z + sight.h * sight.h).sqrt();
+            let inverse = one / r;
+            let cos_theta = -z * inverse;
+            let deflection = Deflection { cos_theta, one_minus_cos: one - cos_theta, one_plus_cos: one + cos_theta };
+            let point = PathPoint { s, excess: s + r - eye, deflection, sin_theta: sight.h * inverse };
+            let light = air.scattering(s, deflection) * air.transmittance(&point);
+            sum += lamp.intensity(sight.cos_axis(&point)) * light * inverse * inverse;
         }
         sum * step * air.common_transmittance(sight)
     }
