@@ -53,11 +53,14 @@ pub fn measure(case: &Case) -> Result {
     Result { case: case.name, points: bench.run(&truth) }
 }
 
-/// A method that fills one radiance per ray.
+/// Fills one radiance per ray.
+type Evaluate<'a> = Box<dyn FnMut(&mut [f64]) + 'a>;
+
+/// A method at one effort.
 struct Method<'a> {
     name: &'static str,
     effort: usize,
-    all: Box<dyn FnMut(&mut [f64]) + 'a>,
+    all: Evaluate<'a>,
 }
 
 struct Bench<'a> {

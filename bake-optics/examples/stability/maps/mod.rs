@@ -1,5 +1,6 @@
 //! The formulas that are mapped, one file each; a file exports `map()` or `maps()`.
 
+mod airlight;
 mod chapman;
 mod elementary;
 mod erfcx;
@@ -7,6 +8,7 @@ mod exponential_integral;
 mod henyey_greenstein;
 mod legendre;
 mod linear_phase;
+mod medium;
 
 use crate::map::Map;
 
@@ -19,5 +21,7 @@ pub fn all() -> Vec<Map> {
     all.extend(henyey_greenstein::maps());
     all.push(linear_phase::map());
     all.push(legendre::map());
+    all.extend(medium::maps());
+    all.extend(airlight::maps());
     all
 }
