@@ -11,7 +11,7 @@ use crate::phase::Deflection;
 /// steps errors of per cents are usual. Here as baseline. *Cost*: one square root, one exponential, the phase function a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RayMarch {
-    /// Number of steps, ≥ 1.
+    /// Number of steps; 0 counts as 1.
     pub steps: usize,
 }
 
@@ -21,9 +21,10 @@ impl<T: Real, A: Air<T> + ?Sized, E: Lamp<T>> Airlight<T, A, E> for RayMarch {
             return T::infinity();
         }
         let (one, eye) = (T::one(), sight.eye_distance());
-        let step = air.end(sight, T::zero(), T::of(12.0)) / T::of(self.steps as f64);
+        let steps = self.steps.max(1);
+        let step = air.end(sight, T::zero(), T::of(12.0)) / T::of(steps as f64);
         let mut sum = T::zero();
-        for i in 0..self.steps {
+        for i in 0..steps {
             let s = step * T::of(i as f64 + 0.5);
             let z = sight.z + s;
             let r = (z * z + sight.h * sight.h).sqrt();

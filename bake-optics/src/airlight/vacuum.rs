@@ -31,7 +31,7 @@ impl<T: Real, E: Lamp<T>> Airlight<T, UniformAir<T>, E> for Vacuum {
         // The deflection angle grows as the angle at the lamp does.
         let start = sight.h.atan2(-sight.z);
         let opening = macklin::opening_angle(sight.z, sight.h, sight.length);
-        let mean = GaussLegendre::<T>::cached(self.nodes).integrate_offset(T::one(), |share| {
+        let mean = GaussLegendre::<T>::cached(self.nodes.clamp(1, 256)).integrate_offset(T::one(), |share| {
             let deflection = Deflection::from_angle((start + opening * share).min(T::PI()));
             let sin = (deflection.one_minus_cos * deflection.one_plus_cos).sqrt();
             let cos_axis = sight.axis_across * sin - sight.axis_along * deflection.cos_theta;
