@@ -10,6 +10,7 @@ pub mod manifest;
 pub mod metrics;
 pub mod package;
 pub mod sample;
+pub mod table_file;
 pub mod term;
 
 pub use baked_scene::BakedScene;

@@ -33,7 +33,10 @@ impl Source {
         let this = Fluence::order(order);
         let q_before = match order {
             1 => None,
-            _ => Some(profile_of(|r| r * r * Fluence::eval_scaled(&Fluence::order(order - 1), r, 1.0))),
+            _ => {
+                let fluence = Fluence::order(order - 1);
+                Some(profile_of(|r| r * r * fluence.eval_scaled(r, 1.0)))
+            }
         };
         let before = |r: f64| q_before.as_ref().map_or(1.0, |profile| profile.eval(r));
         Self { rate: 1.0, moments: moments(1.0, 1.0, before, |r| r * r * this.eval_scaled(r, 1.0)) }
