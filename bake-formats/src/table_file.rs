@@ -114,7 +114,9 @@ pub enum TableFileError {
         origin: String,
     },
     /// Another version of the format.
-    #[error("{origin}: table file version {found}, this program reads version {VERSION}; make it anew with `bake tables generate`")]
+    #[error(
+        "{origin}: table file version {found}, this program reads version {VERSION}; make it anew with `bake tables generate`"
+    )]
     Version {
         /// File name or description.
         origin: String,
@@ -122,7 +124,9 @@ pub enum TableFileError {
         found: u32,
     },
     /// The hash does not fit: damaged or cut short.
-    #[error("{origin}: the contents do not match the hash in the header: the file is damaged; make it anew with `bake tables generate`")]
+    #[error(
+        "{origin}: the contents do not match the hash in the header: the file is damaged; make it anew with `bake tables generate`"
+    )]
     Damaged {
         /// File name or description.
         origin: String,

@@ -80,7 +80,8 @@ fn worst(curves: &Curves, distances: &[f64], block: usize, compute: &(dyn Fn(f64
         let d = f64::from(d as f32);
         let (got, want) = (curves.read(&map.place(d as f32)), compute(d));
         let blocks = got.chunks(block).zip(want.chunks(block));
-        let errors = blocks.flat_map(|(got, want)| got.iter().zip(want).map(|(&g, w)| (f64::from(g) - w).abs() / want[0].abs()));
+        let errors =
+            blocks.flat_map(|(got, want)| got.iter().zip(want).map(|(&g, w)| (f64::from(g) - w).abs() / want[0].abs()));
         errors.fold(0.0, f64::max)
     };
     distances.par_iter().map(at).collect::<Vec<_>>().into_iter().fold(0.0, f64::max)

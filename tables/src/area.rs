@@ -5,7 +5,7 @@
 //! θ nor a frame, only dot products, and nothing is special where the element faces the receiver.
 //! Canonical: sigma_t = sigma_s = 1, L_o dA = 1.
 
-use crate::axial::{HARMONICS, HARMONIC_COUNT};
+use crate::axial::{HARMONIC_COUNT, HARMONICS};
 use crate::curves::{Curves, Grid, Shape};
 use crate::transport::harmonics::{real_norm, scaled_legendre};
 use crate::transport::phase_basis::PhaseBasis;
@@ -76,7 +76,13 @@ fn emitter_moments(rule: &Triangle, angles: &AngleGrid) -> Vec<[f64; 5]> {
         std::array::from_fn(|m| {
             let theta = angles.theta_to_compute(node, m);
             match (m, theta.sin() < 1e-9) {
-                (1, true) => if theta.cos() * beta.cos() > 0.0 { PI * beta.sin() } else { 0.0 },
+                (1, true) => {
+                    if theta.cos() * beta.cos() > 0.0 {
+                        PI * beta.sin()
+                    } else {
+                        0.0
+                    }
+                }
                 _ => clamped_cosine_moment(m, beta, theta) / theta.sin().powi(m as i32),
             }
         })
@@ -105,7 +111,13 @@ pub fn clamped_cosine_moment(m: usize, beta: f64, theta: f64) -> f64 {
 
 /// The same without nodes: any angle, any harmonics (l, m), panels split at the emitter's kinks; `d e^d L_lm`, not stripped.
 /// `[function][harmonic]`. What the table is measured against. *Accuracy*: 1e-7 of l = 0 with 64 `nodes`.
-pub fn compute_exact(d: f64, theta: f64, basis: &PhaseBasis, harmonics: &[(usize, usize)], nodes: usize) -> Vec<Vec<f64>> {
+pub fn compute_exact(
+    d: f64,
+    theta: f64,
+    basis: &PhaseBasis,
+    harmonics: &[(usize, usize)],
+    nodes: usize,
+) -> Vec<Vec<f64>> {
     let rule = Triangle::with_kinks(nodes, &[(FRAC_PI_2 - theta).abs(), PI - (FRAC_PI_2 - theta).abs()], &[]);
     let bands = harmonics.iter().map(|&(l, _)| l + 1).max().unwrap_or(1);
     let mut sums = vec![vec![0.0; harmonics.len()]; basis.len()];
@@ -160,7 +172,11 @@ impl AngleGrid {
     /// there and weighs sin^m θ.
     fn theta_to_compute(&self, node: usize, m: usize) -> f64 {
         let last = self.nodes - 1;
-        let inside = if m >= 2 && (node == 0 || node == last) { (node as f64 - 0.5).abs().min(last as f64 - 0.5) } else { node as f64 };
+        let inside = if m >= 2 && (node == 0 || node == last) {
+            (node as f64 - 0.5).abs().min(last as f64 - 0.5)
+        } else {
+            node as f64
+        };
         self.cosine(inside).clamp(-1.0, 1.0).acos()
     }
 }

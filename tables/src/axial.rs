@@ -139,7 +139,11 @@ mod tests {
             let axial = compute_multiple(d, &sources);
             for (source, axial) in sources.iter().zip(&axial) {
                 let point = crate::point::compute_multiple(d, source, 5);
-                let got = separated(axial, &ALL_DEGREES, 0.7, &{ let mut c = vec![0.0; 17]; c[0] = 1.0; c });
+                let got = separated(axial, &ALL_DEGREES, 0.7, &{
+                    let mut c = vec![0.0; 17];
+                    c[0] = 1.0;
+                    c
+                });
                 for (h, &(l, m)) in HARMONICS.iter().enumerate() {
                     let want = if m == 0 { point[l] } else { 0.0 };
                     worst.record((got[h] - want).abs() / point[0], || format!("d {d} {:?}", HARMONICS[h]));

@@ -9,6 +9,9 @@ use serde::{Deserialize, Serialize};
 /// Canonical distances below this are read at it: a receiver inside the lamp.
 pub const SMALLEST_DISTANCE: f32 = 1e-12;
 
+/// Canonical distances above this are read at it: infinity included.
+const LARGEST_DISTANCE: f32 = 1e12;
+
 /// Share of the largest distance at which tables per order start to fade.
 const FADE_START: f64 = 0.9;
 
@@ -83,8 +86,7 @@ pub struct Shape {
 
 impl Shape {
     /// Light of a point-like emitter scattered exactly once.
-    pub const POINT_SINGLE: Self =
-        Self { rate: 1.0, inverse_distance: true, near: Near::Logarithmic, far: Far::Fade };
+    pub const POINT_SINGLE: Self = Self { rate: 1.0, inverse_distance: true, near: Near::Logarithmic, far: Far::Fade };
     /// Light of a point-like emitter scattered exactly k ≥ 2 times.
     pub const POINT_MULTIPLE: Self = Self { near: Near::Hold, ..Self::POINT_SINGLE };
     /// Directional light scattered any number of times.
@@ -145,7 +147,7 @@ impl DistanceMap {
     /// Place of a canonical distance; any f32 is allowed.
     #[inline]
     pub fn place(&self, d: f32) -> Place {
-        let d = d.max(SMALLEST_DISTANCE);
+        let d = d.max(SMALLEST_DISTANCE).min(LARGEST_DISTANCE);
         self.place_by_ln(d, d.ln())
     }
 

@@ -54,9 +54,7 @@ pub fn store_single(grid: Grid, basis: &PhaseBasis, bands: usize) -> Curves {
 
 /// The table of one higher order (or of all), `bands` columns; `albedo` is 1 for a table per order.
 pub fn store_multiple(grid: Grid, shape: Shape, source: &SlabSource, albedo: f64, bands: usize) -> Curves {
-    Curves::store(grid, shape, bands, |d| {
-        compute_multiple(d, source, bands).into_iter().map(|c| albedo * c).collect()
-    })
+    Curves::store(grid, shape, bands, |d| compute_multiple(d, source, bands).into_iter().map(|c| albedo * c).collect())
 }
 
 #[cfg(test)]
@@ -98,7 +96,10 @@ mod tests {
         worst.check();
         let absorbing = SlabSource::all(0.9);
         let l1 = compute_single(0.0, &single, 2)[0][1] * 0.9 + 0.9 * compute_multiple(0.0, &absorbing, 2)[1];
-        assert!(((4.0 * std::f64::consts::PI / 3.0).sqrt() * l1 + 1.0).abs() > 0.1, "an absorbing half space must not balance");
+        assert!(
+            ((4.0 * std::f64::consts::PI / 3.0).sqrt() * l1 + 1.0).abs() > 0.1,
+            "an absorbing half space must not balance"
+        );
     }
 
     #[test]

@@ -136,7 +136,9 @@ mod tests {
         let mut worst = Worst::new("probe SH against the radiance itself (absolute)", 3e-6);
         let stripped = [0.9, -0.4, 0.7, 0.3, -0.8, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0];
         for (i, (a, axis)) in
-            [(Vec3::Z, Vec3::X), (Vec3::new(0.2, -0.7, 0.4), Vec3::new(0.5, 0.5, -0.1)), (Vec3::X, -Vec3::X)].iter().enumerate()
+            [(Vec3::Z, Vec3::X), (Vec3::new(0.2, -0.7, 0.4), Vec3::new(0.5, 0.5, -0.1)), (Vec3::X, -Vec3::X)]
+                .iter()
+                .enumerate()
         {
             let (a, axis) = (a.normalize(), axis.normalize());
             let p = axis - axis.dot(a) * a;

@@ -9,6 +9,7 @@ pub mod area;
 pub mod axial;
 pub mod curves;
 pub mod directional;
+pub mod drawing;
 pub mod geometry;
 pub mod point;
 pub mod recipe;

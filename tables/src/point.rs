@@ -43,8 +43,7 @@ pub fn compute_multiple(d: f64, source: &Source, bands: usize) -> Vec<f64> {
 
 /// Zonal coefficients from Legendre moments m_l of the radiance: `sqrt((2l+1)/4π) m_l`.
 fn from_moments(moments: &[f64]) -> Vec<f64> {
-    let legendre: Vec<f64> =
-        moments.iter().enumerate().map(|(l, m)| m * (2 * l + 1) as f64 / (4.0 * PI)).collect();
+    let legendre: Vec<f64> = moments.iter().enumerate().map(|(l, m)| m * (2 * l + 1) as f64 / (4.0 * PI)).collect();
     zonal_from_legendre(&legendre)
 }
 
@@ -64,9 +63,7 @@ pub fn store_single(grid: Grid, basis: &PhaseBasis, bands: usize) -> Curves {
 
 /// The table of one higher order (or of all), `bands` columns; `albedo` is 1 for a table per order.
 pub fn store_multiple(grid: Grid, shape: Shape, source: &Source, albedo: f64, bands: usize) -> Curves {
-    Curves::store(grid, shape, bands, |d| {
-        compute_multiple(d, source, bands).into_iter().map(|c| albedo * c).collect()
-    })
+    Curves::store(grid, shape, bands, |d| compute_multiple(d, source, bands).into_iter().map(|c| albedo * c).collect())
 }
 
 #[cfg(test)]

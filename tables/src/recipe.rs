@@ -82,7 +82,8 @@ impl Recipe {
             .or_else(|| (!range_ok).then(|| format!("range is {min}:{max}, allowed are 1e-4…0.1 : 5…100")))
             .or_else(|| {
                 let albedo = self.all_orders_albedo;
-                (!(albedo > 0.0 && albedo <= 1.0)).then(|| format!("all_orders_albedo is {albedo}, allowed is 0 < albedo ≤ 1"))
+                (!(albedo > 0.0 && albedo <= 1.0))
+                    .then(|| format!("all_orders_albedo is {albedo}, allowed is 0 < albedo ≤ 1"))
             })
             .or_else(|| (self.angles.nodes.is_multiple_of(2)).then(|| "angles must be odd".to_owned()))
     }

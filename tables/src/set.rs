@@ -19,8 +19,8 @@ use crate::transport::slab::SlabSource;
 use crate::transport::sources::{EMITTER_DEGREES, Source};
 use crate::{accuracy, area, axial, directional, point};
 
-/// Moments beyond the tables above this, |g|^12 at g = 0.8, ask for a table of the actual phase function.
-const LEFT_OUT_MOMENT: f64 = 0.069;
+/// Moments beyond the tables above this, |g|^20 at g = 0.8, ask for a table of the actual phase function.
+const LEFT_OUT_MOMENT: f64 = 0.012;
 
 /// The tables that every file of the harmonic layout holds, in file order.
 pub const NAMES: [&str; 9] = [
@@ -146,7 +146,8 @@ fn entry(name: &str, recipe: &Recipe, curves: &Curves) -> TableEntry {
     let largest = curves.values.iter().fold(f32::MIN_POSITIVE, |m, v| m.max(v.abs()));
     TableEntry {
         name: name.to_owned(),
-        meaning: "coefficient times e^(rate d), times d where inverse_distance; rows: d = 0, nodes, d = infinity".to_owned(),
+        meaning: "coefficient times e^(rate d), times d where inverse_distance; rows: d = 0, nodes, d = infinity"
+            .to_owned(),
         rows: Curves::rows(&curves.grid),
         columns: curves.columns,
         precision,
@@ -174,8 +175,8 @@ impl TableSet {
             field: field.to_owned(),
             problem,
         };
-        let recipe: Recipe = serde_json::from_value(file.manifest.recipe.clone())
-            .map_err(|error| fault("recipe", error.to_string()))?;
+        let recipe: Recipe =
+            serde_json::from_value(file.manifest.recipe.clone()).map_err(|error| fault("recipe", error.to_string()))?;
         if let Some(problem) = recipe.fault() {
             return Err(fault("recipe", problem));
         }
@@ -185,8 +186,8 @@ impl TableSet {
         }
         let mut tables = Vec::new();
         for ((entry, values), columns) in file.manifest.tables.iter().zip(&file.values).zip(column_counts(&recipe)) {
-            let shape: Shape = serde_json::from_value(entry.details.clone())
-                .map_err(|error| fault(&entry.name, error.to_string()))?;
+            let shape: Shape =
+                serde_json::from_value(entry.details.clone()).map_err(|error| fault(&entry.name, error.to_string()))?;
             if entry.rows != Curves::rows(&recipe.grid) || entry.columns != columns {
                 let problem = format!("{} × {} values do not fit the recipe", entry.rows, entry.columns);
                 return Err(fault(&entry.name, problem));
@@ -212,9 +213,7 @@ impl TableSet {
         let albedo = air.albedo.clamp(0.0, 1.0);
         match scatter {
             Scatter::Single => match self.own_basis(&air.phase) {
-                Some(basis) => {
-                    self.zonal(&point::store_single(self.grid(), &basis, self.recipe.bands), &[albedo])
-                }
+                Some(basis) => self.zonal(&point::store_single(self.grid(), &basis, self.recipe.bands), &[albedo]),
                 None => self.zonal(self.table("point.single"), &air.legendre_weights(self.recipe.legendre_orders)),
             },
             Scatter::Multiple(up_to) => self.zonal(self.table("point.orders"), &self.order_weights(albedo, up_to)),
@@ -235,9 +234,13 @@ impl TableSet {
                 Some(basis) => {
                     self.zonal(&directional::store_single(self.grid(), &basis, self.recipe.bands), &[albedo])
                 }
-                None => self.zonal(self.table("directional.single"), &air.legendre_weights(self.recipe.legendre_orders)),
+                None => {
+                    self.zonal(self.table("directional.single"), &air.legendre_weights(self.recipe.legendre_orders))
+                }
             },
-            Scatter::Multiple(up_to) => self.zonal(self.table("directional.orders"), &self.order_weights(albedo, up_to)),
+            Scatter::Multiple(up_to) => {
+                self.zonal(self.table("directional.orders"), &self.order_weights(albedo, up_to))
+            }
             Scatter::AllMultiple if self.stored_all(albedo) => self.zonal(self.table("directional.all"), &[1.0]),
             Scatter::AllMultiple => {
                 let source = SlabSource::all(albedo.max(SMALLEST_ALBEDO));
@@ -251,7 +254,9 @@ impl TableSet {
     pub fn area(&self, air: &Air, scatter: Scatter) -> AxialResponse {
         match scatter {
             Scatter::Single => match self.own_basis(&air.phase) {
-                Some(basis) => self.area_single(&area::store_single(self.grid(), self.recipe.angles, &basis), &[air.albedo]),
+                Some(basis) => {
+                    self.area_single(&area::store_single(self.grid(), self.recipe.angles, &basis), &[air.albedo])
+                }
                 None => self.area_single(self.table("area.single"), &air.legendre_weights(self.recipe.legendre_orders)),
             },
             _ => self.axial(&cosine_legendre(), air, scatter),
@@ -292,7 +297,8 @@ impl TableSet {
 
     /// The actual phase function where its Legendre orders in the tables do not suffice.
     fn own_basis(&self, phase: &Phase<f64>) -> Option<PhaseBasis> {
-        let beyond = (self.recipe.legendre_orders..self.recipe.legendre_orders + 24).any(|l| phase.moment(l).abs() > LEFT_OUT_MOMENT);
+        let beyond = (self.recipe.legendre_orders..self.recipe.legendre_orders + 24)
+            .any(|l| phase.moment(l).abs() > LEFT_OUT_MOMENT);
         beyond.then(|| PhaseBasis::Functions(vec![phase.clone()]))
     }
 

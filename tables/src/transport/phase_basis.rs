@@ -3,8 +3,9 @@
 use bake_optics::legendre::legendre_all;
 use bake_optics::phase::{Deflection, Phase};
 
-/// Legendre orders of the phase function that the shipped order-1 tables hold; enough for |g| ≤ 0.8.
-pub const LEGENDRE_ORDERS: usize = 12;
+/// Legendre orders of the phase function that the shipped order-1 tables hold: 12 would do for irradiance at |g| ≤ 0.8 in front of an
+/// emitter, but light sent straight back (g = 0.5: 0.2 of the mean) needs 20 for 0.1 %.
+pub const LEGENDRE_ORDERS: usize = 20;
 
 /// The functions of the deflection angle for which order 1 is computed, all in one pass.
 #[derive(Debug, Clone, PartialEq)]

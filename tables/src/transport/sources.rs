@@ -59,12 +59,7 @@ fn profile_of(q: impl Fn(f64) -> f64 + Sync) -> Profile {
 }
 
 /// All lanes: degree 0 from the exact fluence, the others by the integral above from the source `before`.
-fn moments(
-    rate: f64,
-    albedo: f64,
-    before: impl Fn(f64) -> f64 + Sync,
-    exact: impl Fn(f64) -> f64 + Sync,
-) -> Profile {
+fn moments(rate: f64, albedo: f64, before: impl Fn(f64) -> f64 + Sync, exact: impl Fn(f64) -> f64 + Sync) -> Profile {
     let nodes = Profile::nodes(RANGE.0, RANGE.1, NODES);
     let row = |&d: &f64| {
         let mut lanes = zonal_moments(d, rate, &before, EMITTER_DEGREES);

@@ -133,7 +133,9 @@ fn row(rule: &[Place], outer: Place, inner_kinks: &[f64]) -> Row {
     // sin(outer) from the nearer end of [0, π].
     let sin_outer = outer.low.min(outer.high).sin();
     let node = |p: Place| {
-        let (sin_inner, cos_inner) = p.low.sin_cos();
+        // Near π the sine of an angle is that of the sum of the other two.
+        let cos_inner = p.low.cos();
+        let sin_inner = if p.low > 0.5 * PI { (outer.low + p.high).sin() } else { p.low.sin() };
         let sin_closing = if p.high > 0.5 * PI { (outer.low + p.low).sin() } else { p.high.sin() };
         Node {
             cos_inner,
@@ -158,12 +160,17 @@ mod tests {
 
     #[test]
     fn the_area_of_the_triangle_and_a_kinked_integrand_come_out() {
-        let area: f64 = Triangle::new(16).rows.iter().map(|r| r.weight * r.nodes.iter().map(|n| n.weight).sum::<f64>()).sum();
+        let area: f64 =
+            Triangle::new(16).rows.iter().map(|r| r.weight * r.nodes.iter().map(|n| n.weight).sum::<f64>()).sum();
         assert!((area - PI * PI / 2.0).abs() < 1e-3 * area);
         // ∫∫ |outer − 1| over the triangle in closed form: ∫_0^π |x − 1| (π − x) dx.
         let want = 0.5 * PI - 1.0 / 6.0 + (PI - 1.0).powi(3) / 6.0;
         let integral = |triangle: Triangle| -> f64 {
-            triangle.rows.iter().map(|r| (r.outer - 1.0).abs() * r.weight * r.nodes.iter().map(|n| n.weight).sum::<f64>()).sum()
+            triangle
+                .rows
+                .iter()
+                .map(|r| (r.outer - 1.0).abs() * r.weight * r.nodes.iter().map(|n| n.weight).sum::<f64>())
+                .sum()
         };
         let split = integral(Triangle::with_kinks(40, &[1.0], &[0.7]));
         assert!((split / want - 1.0).abs() < 1e-9, "{split} {want}");
