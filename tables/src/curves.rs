@@ -146,6 +146,7 @@ impl DistanceMap {
 
     /// Place of a canonical distance; any f32 is allowed.
     #[inline]
+    #[allow(clippy::manual_clamp, reason = "clamp would let NaN through")]
     pub fn place(&self, d: f32) -> Place {
         let d = d.max(SMALLEST_DISTANCE).min(LARGEST_DISTANCE);
         self.place_by_ln(d, d.ln())

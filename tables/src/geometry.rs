@@ -111,7 +111,7 @@ mod tests {
     /// Directions with the emitter leaning to +x: the frame in which the harmonics are defined, a = z.
     fn samples() -> Vec<(Vec3, f32)> {
         let normals = [Vec3::Z, -Vec3::Z, Vec3::X, Vec3::new(0.3, -0.5, 0.8), Vec3::new(-0.7, 0.2, -0.4), Vec3::Y];
-        let angles = [0.0f32, 1e-4, 0.3, 1.2, 1.570_796_4, 2.0, 3.0, 3.141_592_7];
+        let angles = [0.0f32, 1e-4, 0.3, 1.2, std::f32::consts::FRAC_PI_2, 2.0, 3.0, std::f32::consts::PI];
         normals.iter().flat_map(|n| angles.iter().map(move |&t| (n.normalize(), t))).collect()
     }
 

@@ -71,7 +71,8 @@ impl Recipe {
             (value < low || value > high).then(|| format!("{name} is {value}, allowed are {low} to {high}"))
         };
         let Grid { min, max, bins } = self.grid;
-        let range_ok = min.is_finite() && max.is_finite() && (1e-4..=0.1).contains(&min) && max >= 5.0 && max <= 100.0;
+        let range_ok =
+            min.is_finite() && max.is_finite() && (1e-4..=0.1).contains(&min) && (5.0..=100.0).contains(&max);
         None.or_else(|| outside("bins", bins, 16, 4096))
             .or_else(|| outside("read_bins", self.read_bins, 16, 4096))
             .or_else(|| outside("angles", self.angles.nodes, 9, 257))
