@@ -54,6 +54,11 @@ impl Failure {
         Self::Invalid(Message { text: text.into(), help: Some(help.into()), cause: None }.into())
     }
 
+    /// A file that cannot be read.
+    pub fn unreadable(path: &Path, error: &io::Error) -> Self {
+        Self::wrong(format!("cannot read {}: {error}", path.display()), "check the path and its permissions")
+    }
+
     /// A file or folder that cannot be written.
     pub fn unwritable(path: &Path, error: std::io::Error) -> Self {
         let text = format!("cannot write {}: {error}", path.display());

@@ -22,15 +22,15 @@ pub struct Input {
 }
 
 impl Input {
-    /// The settings, judged, and the file that they came from.
-    pub fn settings(&self) -> Result<(Settings, Option<PathBuf>), Failure> {
+    /// The settings, judged.
+    pub fn settings(&self) -> Result<Settings, Failure> {
         check_scene_file(&self.file)?;
         let side_file = settings::sidecar(&self.file);
         let file = self.settings.clone().or_else(|| side_file.exists().then_some(side_file));
         let mut settings = file.as_deref().map(settings::read).transpose()?.unwrap_or_default();
         self.flags.apply(&mut settings);
         settings.check()?;
-        Ok((settings, file))
+        Ok(settings)
     }
 }
 

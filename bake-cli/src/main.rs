@@ -3,16 +3,18 @@
 //! `cli` says what can be asked, `commands` does it (one file per command), `exit` turns its end into a process
 //! status and is the only place that prints errors.
 
-#![allow(dead_code, reason = "the pieces that only a finished `bake run` uses")]
-
 mod cli;
 mod commands;
 mod exit;
 mod flags;
 mod input;
 mod interrupt;
+mod job;
+mod output;
+mod plan_text;
 mod progress;
 mod report;
+mod units;
 mod values;
 
 use std::process::ExitCode;

@@ -1,10 +1,12 @@
 //! Progress on standard error: a bar with the time left for people, one JSON object a line for machines.
 
 use crate::cli::Global;
+use crate::interrupt::Interrupt;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 use std::io::IsTerminal;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// How to show progress.
@@ -21,76 +23,108 @@ pub enum ProgressMode {
 /// Least time between two JSON lines of one stage.
 const JSON_INTERVAL: Duration = Duration::from_millis(200);
 
-/// Shows the stages of one command, one after the other.
-pub struct Progress(Show);
+/// Watches one command: shows its stages one after the other, and hands Ctrl-C on.
+pub struct Progress {
+    show: Show,
+    interrupt: Interrupt,
+    stage: Mutex<Stage>,
+    done: AtomicU64,
+}
 
 enum Show {
     Bar(ProgressBar),
-    Json(Mutex<JsonLines>),
+    Json,
     Nothing,
 }
 
-struct JsonLines {
+struct Stage {
     started: Instant,
-    stage: String,
-    last: Option<Instant>,
+    name: String,
+    total: u64,
+    last_line: Option<Instant>,
 }
 
 impl Progress {
-    /// As the command line asks.
-    pub fn new(global: &Global) -> Self {
-        Self(match global.progress {
-            ProgressMode::Json => {
-                Show::Json(Mutex::new(JsonLines { started: Instant::now(), stage: String::new(), last: None }))
-            }
+    /// Shows what the command line asks for.
+    pub fn new(global: &Global, interrupt: Interrupt) -> Self {
+        let show = match global.progress {
+            ProgressMode::Json => Show::Json,
             ProgressMode::Auto if std::io::stderr().is_terminal() && !global.quiet => Show::Bar(bar()),
             _ => Show::Nothing,
-        })
+        };
+        let stage = Stage { started: Instant::now(), name: String::new(), total: 0, last_line: None };
+        Self { show, interrupt, stage: Mutex::new(stage), done: AtomicU64::new(0) }
     }
 
-    /// States how far a stage has come. `total` = 0 means that nobody knows.
-    pub fn report(&self, stage: &str, done: u64, total: u64) {
-        match &self.0 {
-            Show::Bar(bar) => {
-                if bar.message() != stage {
-                    bar.reset();
-                    bar.set_message(stage.to_owned());
-                }
-                bar.set_length(total);
-                bar.set_position(done);
-            }
-            Show::Json(lines) => lines.lock().expect("no thread panics here").report(stage, done, total),
-            Show::Nothing => {}
+    /// Writes a line on standard error, beside the bar.
+    pub fn line(&self, text: &str) {
+        match &self.show {
+            Show::Bar(bar) => bar.suspend(|| eprintln!("{text}")),
+            _ => eprintln!("{text}"),
         }
     }
 
     /// Takes the bar away.
     pub fn finish(&self) {
-        if let Show::Bar(bar) = &self.0 {
+        if let Show::Bar(bar) = &self.show {
             bar.finish_and_clear();
         }
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, Stage> {
+        self.stage.lock().expect("nothing panics while it holds this lock")
+    }
+}
+
+impl bake_core::progress::Progress for Progress {
+    fn stage(&self, name: &str, units: u64) {
+        let mut stage = self.lock();
+        self.done.store(0, Ordering::Relaxed);
+        name.clone_into(&mut stage.name);
+        stage.total = units;
+        match &self.show {
+            Show::Bar(bar) => {
+                bar.reset();
+                bar.set_message(stage.name.clone());
+                bar.set_length(units);
+            }
+            Show::Json => stage.write_line(0),
+            Show::Nothing => {}
+        }
+    }
+
+    fn advance(&self, units: u64) {
+        let done = self.done.fetch_add(units, Ordering::Relaxed) + units;
+        match &self.show {
+            Show::Bar(bar) => bar.set_position(done),
+            Show::Json => {
+                let mut stage = self.lock();
+                let due = stage.last_line.is_none_or(|last| last.elapsed() >= JSON_INTERVAL);
+                if due || done >= stage.total {
+                    stage.write_line(done);
+                }
+            }
+            Show::Nothing => {}
+        }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.interrupt.pressed()
+    }
+}
+
+impl Stage {
+    fn write_line(&mut self, done: u64) {
+        self.last_line = Some(Instant::now());
+        let seconds = self.started.elapsed().as_secs_f64();
+        eprintln!("{}", json!({ "stage": self.name, "done": done, "total": self.total, "seconds": seconds }));
     }
 }
 
 /// The stage has a fixed width so that the bar does not jump.
 fn bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("{msg:<10} {wide_bar} {percent:>3} %  {elapsed} elapsed, {eta} left");
+    let style = ProgressStyle::with_template("{msg:<14} {wide_bar} {percent:>3} %  {elapsed} so far, {eta} left");
     let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr_with_hz(8));
     bar.set_style(style.expect("the template is well formed"));
     bar
-}
-
-impl JsonLines {
-    fn report(&mut self, stage: &str, done: u64, total: u64) {
-        let same_stage = self.stage == stage;
-        if same_stage && done != total && self.last.is_some_and(|last| last.elapsed() < JSON_INTERVAL) {
-            return;
-        }
-        if !same_stage {
-            stage.clone_into(&mut self.stage);
-        }
-        self.last = Some(Instant::now());
-        let seconds = self.started.elapsed().as_secs_f64();
-        eprintln!("{}", json!({ "stage": stage, "done": done, "total": total, "seconds": seconds }));
-    }
 }

@@ -1,6 +1,10 @@
-//! What a command measured of itself: seconds by stage and peak memory, as a table for people or JSON for machines.
+//! What a bake measured of itself: a table for people, JSON for machines, and the package's `NAME.run.json`.
 
+use crate::units;
+use bake_core::solve::{Lightmap, PageReport};
 use serde::Serialize;
+use std::fmt::Write;
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Seconds of one stage.
@@ -14,43 +18,176 @@ pub struct Stage {
 
 /// Takes the time of a command's stages.
 #[derive(Debug, Default)]
-pub struct Stopwatch {
-    stages: Vec<Stage>,
-}
+pub struct Stopwatch(Vec<Stage>);
 
 impl Stopwatch {
     /// Runs a stage and keeps its time.
     pub fn time<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
         let start = Instant::now();
         let result = work();
-        self.stages.push(Stage { name, seconds: start.elapsed().as_secs_f64() });
+        self.0.push(Stage { name, seconds: start.elapsed().as_secs_f64() });
         result
     }
+}
 
-    /// The stages so far, in order.
-    pub fn stages(&self) -> &[Stage] {
-        &self.stages
+/// Everything measured about one bake; the numbers are in base units.
+#[derive(Debug, Clone, Serialize)]
+pub struct Measured {
+    /// The package's manifest.
+    pub package: PathBuf,
+    /// Stages in their order.
+    pub stages: Vec<Stage>,
+    /// Their sum.
+    pub seconds: f64,
+    /// Rays that asked for the nearest surface.
+    pub rays: u64,
+    /// Rays that asked whether light arrives.
+    pub shadow_rays: u64,
+    /// Both, by the seconds of tracing.
+    pub rays_per_second: f64,
+    /// Paths cut because nothing absorbed them.
+    pub cut_paths: u64,
+    /// Largest resident memory, where the system tells.
+    pub peak_memory_bytes: Option<u64>,
+    /// Threads used.
+    pub threads: usize,
+    /// The machine.
+    pub machine: Machine,
+    /// Standard error asked for, as a share of the page's median.
+    pub target_error: f32,
+    /// The largest that a page reached.
+    pub reached_error: f32,
+    /// Texels with a surface behind them.
+    pub texels: u64,
+    /// Of those, buried in other geometry and filled from their neighbours.
+    pub filled_texels: u64,
+    /// Of those, without any value.
+    pub unbaked_texels: u64,
+    /// Page by page.
+    pub pages: Vec<PageMeasured>,
+    /// Warnings.
+    pub warnings: Vec<String>,
+}
+
+/// One page.
+#[derive(Debug, Clone, Serialize)]
+pub struct PageMeasured {
+    samples_per_texel: u32,
+    error: f32,
+    median_lux: f32,
+    good_texels: u32,
+    buried_texels: u32,
+}
+
+/// Where it ran.
+#[derive(Debug, Clone, Serialize)]
+pub struct Machine {
+    os: &'static str,
+    architecture: &'static str,
+    processors: usize,
+}
+
+impl Machine {
+    /// This one.
+    pub fn here() -> Self {
+        let processors = std::thread::available_parallelism().map_or(1, usize::from);
+        Self { os: std::env::consts::OS, architecture: std::env::consts::ARCH, processors }
+    }
+}
+
+impl From<&PageReport> for PageMeasured {
+    fn from(report: &PageReport) -> Self {
+        Self {
+            samples_per_texel: report.samples,
+            error: report.error,
+            median_lux: report.median,
+            good_texels: report.good_texels,
+            buried_texels: report.buried_texels,
+        }
+    }
+}
+
+impl Measured {
+    /// Gathers what the solver and the stopwatch know; the rest is for the caller to fill in.
+    pub fn new(stopwatch: Stopwatch, lightmap: &Lightmap, target_error: f32) -> Self {
+        let stages = stopwatch.0;
+        let tracing: f64 = stages.iter().filter(|stage| stage.name == "trace").map(|stage| stage.seconds).sum();
+        let good: u64 = lightmap.reports.iter().map(|page| u64::from(page.good_texels)).sum();
+        let buried: u64 = lightmap.reports.iter().map(|page| u64::from(page.buried_texels)).sum();
+        Self {
+            package: PathBuf::new(),
+            seconds: stages.iter().map(|stage| stage.seconds).sum(),
+            stages,
+            rays: lightmap.rays,
+            shadow_rays: lightmap.shadow_rays,
+            rays_per_second: (lightmap.rays + lightmap.shadow_rays) as f64 / tracing.max(1e-9),
+            cut_paths: lightmap.cut_paths,
+            peak_memory_bytes: peak_memory(),
+            threads: rayon::current_num_threads(),
+            machine: Machine::here(),
+            target_error,
+            reached_error: lightmap.reports.iter().map(|page| page.error).fold(0.0, f32::max),
+            texels: good + buried,
+            filled_texels: buried,
+            unbaked_texels: 0,
+            pages: lightmap.reports.iter().map(PageMeasured::from).collect(),
+            warnings: Vec::new(),
+        }
     }
 
-    /// Their sum, seconds.
-    pub fn total(&self) -> f64 {
-        self.stages.iter().map(|stage| stage.seconds).sum()
+    /// For people.
+    pub fn table(&self) -> String {
+        let mut text = String::new();
+        let mut line = |name: &str, value: String| writeln!(text, "{name:<12} {value}").expect("a string takes text");
+        for stage in &self.stages {
+            let share = 100.0 * stage.seconds / self.seconds.max(1e-9);
+            line(stage.name, format!("{:>9.2} s {share:>5.1} %", stage.seconds));
+        }
+        line("total", format!("{:>9.2} s on {} threads", self.seconds, self.threads));
+        let rays = self.rays + self.shadow_rays;
+        line("rays", format!("{} at {:.2} Mrays/s", units::count(rays as f64), self.rays_per_second / 1e6));
+        if let Some(bytes) = self.peak_memory_bytes {
+            line("peak memory", units::bytes(bytes));
+        }
+        let samples = self.pages.iter().map(|page| page.samples_per_texel);
+        let (least, most) = (samples.clone().min().unwrap_or(0), samples.max().unwrap_or(0));
+        let samples = if least == most { most.to_string() } else { format!("{least} to {most}") };
+        line("error", format!("{:.2} % of the median with {samples} samples per texel", 100.0 * self.reached_error));
+        let pages = self.pages.len();
+        line("texels", format!("{} on {pages} page{}", self.texels, if pages == 1 { "" } else { "s" }));
+        if self.filled_texels > 0 {
+            line("", format!("{} buried in other geometry, filled from their neighbours", self.filled_texels));
+        }
+        if self.unbaked_texels > 0 {
+            line("", format!("{} without any light: every texel of their chart is buried", self.unbaked_texels));
+        }
+        if !self.warnings.is_empty() {
+            line("warnings", self.warnings.len().to_string());
+        }
+        line("package", self.package.display().to_string());
+        text
     }
 }
 
 /// Largest resident memory of this process so far, bytes; `None` where the system does not say.
-pub fn peak_memory() -> Option<u64> {
+fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kibibytes * 1024)
 }
 
-/// Lines of the stage table: name, seconds, share of all.
-pub fn stage_table(stopwatch: &Stopwatch) -> String {
-    let total = stopwatch.total().max(f64::MIN_POSITIVE);
-    let line = |name: &str, seconds: f64| format!("{name:<10} {seconds:>9.2} s {:>5.1} %\n", 100.0 * seconds / total);
-    let mut table: String = stopwatch.stages().iter().map(|stage| line(stage.name, stage.seconds)).collect();
-    table.push_str(&line("total", stopwatch.total()));
-    table
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A process holds at least what it has just written, and less than a terabyte.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn peak_memory_sees_what_was_touched() {
+        let before = peak_memory().expect("Linux tells");
+        let block = std::hint::black_box(vec![1u8; 64 << 20]);
+        let after = peak_memory().expect("Linux tells");
+        assert!(after >= block.len() as u64 && after >= before && after < 1 << 40, "{before} then {after}");
+    }
 }

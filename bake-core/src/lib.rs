@@ -5,7 +5,9 @@
 //! The crate is silent: progress and warnings leave as values; it knows no command line, window or GPU.
 
 pub mod atlas;
+pub mod fingerprint;
 pub mod package;
+pub mod plan;
 pub mod post;
 pub mod progress;
 pub mod scene;

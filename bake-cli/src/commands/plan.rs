@@ -1,10 +1,15 @@
 //! `bake plan`: what a bake would do, and its sizes, memory and time; nothing is traced.
 
-use super::later;
 use crate::cli::Global;
 use crate::exit::{Failure, Outcome};
 use crate::flags::RARE;
 use crate::input::{HELP_TEMPLATE, Input};
+use crate::interrupt::Interrupt;
+use crate::job::Job;
+use crate::plan_text;
+use crate::progress::Progress;
+use crate::report::Stopwatch;
+use bake_core::plan::Plan;
 
 const EXAMPLES: &str = "\
 Example:
@@ -20,7 +25,19 @@ pub struct Args {
 }
 
 /// Plans.
-pub fn run(args: &Args, _global: &Global) -> Result<Outcome, Failure> {
-    let _settings = args.input.settings()?;
-    Err(later::refuse("the command `plan`"))
+pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
+    let progress = Progress::new(global, Interrupt::listen());
+    let prepared = Job::prepare(&args.input, &progress, &mut Stopwatch::default());
+    progress.finish();
+    let job = prepared?;
+    if !global.quiet {
+        job.warnings.iter().for_each(|warning| progress.line(&format!("warning: {warning}")));
+    }
+    let plan = Plan::derive(&job.scene, &job.settings, &job.atlas, rayon::current_num_threads());
+    if global.json {
+        println!("{}", serde_json::to_string_pretty(&plan).expect("plain data becomes JSON"));
+    } else {
+        print!("{}", plan_text::text(&job.scene.name, &plan));
+    }
+    Ok(Outcome::Done)
 }

@@ -91,3 +91,42 @@ impl Ended {
         assert!(!self.err.contains("panicked"), "{}", self.err);
     }
 }
+
+/// A scene without light: a triangle of half a square metre, and a closed box of six metres around it.
+/// `facing` = 1 turns the box's faces to the triangle, −1 away from it.
+pub fn gltf(facing: f32) -> String {
+    let corner = |index: u32| [0, 1, 2].map(|axis| if index >> axis & 1 == 1 { 3.0f32 } else { -3.0 });
+    let triangle = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let positions = triangle.into_iter().chain((0..8).map(corner));
+    // Counter-clockwise seen from outside.
+    let sides = [[0u16, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let outward = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let faces = outward.map(|[a, b, c]| if facing > 0.0 { [a, c, b] } else { [a, b, c] });
+    let indices = [[0, 1, 2]].into_iter().chain(faces);
+    let mut bytes: Vec<u8> = positions.flatten().flat_map(f32::to_le_bytes).collect();
+    let at = bytes.len();
+    bytes.extend(indices.flatten().flat_map(u16::to_le_bytes));
+    let hex: String = bytes.iter().map(|byte| format!("%{byte:02X}")).collect();
+    serde_json::json!({
+        "asset": { "version": "2.0" },
+        "scenes": [{ "nodes": [0, 1] }],
+        "nodes": [{ "mesh": 0, "name": "triangle" }, { "mesh": 1, "name": "box" }],
+        "meshes": [
+            { "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1, "material": 0 }] },
+            { "primitives": [{ "attributes": { "POSITION": 2 }, "indices": 3, "material": 1 }] }
+        ],
+        "materials": [{ "doubleSided": true }, {}],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3, "min": [0, 0, 0], "max": [1, 1, 0] },
+            { "bufferView": 1, "componentType": 5123, "type": "SCALAR", "count": 3 },
+            { "bufferView": 0, "byteOffset": 36, "componentType": 5126, "type": "VEC3", "count": 8, "min": [-3, -3, -3], "max": [3, 3, 3] },
+            { "bufferView": 1, "byteOffset": 6, "componentType": 5123, "type": "SCALAR", "count": 36 }
+        ],
+        "bufferViews": [
+            { "buffer": 0, "byteOffset": 0, "byteLength": at },
+            { "buffer": 0, "byteOffset": at, "byteLength": bytes.len() - at }
+        ],
+        "buffers": [{ "byteLength": bytes.len(), "uri": format!("data:application/octet-stream,{hex}") }]
+    })
+    .to_string()
+}

@@ -8,6 +8,7 @@ mod check;
 mod error;
 mod file;
 mod media;
+mod stages;
 mod template;
 
 pub use error::{SettingsError, Syntax, suggest};
@@ -127,18 +128,25 @@ impl Settings {
     /// What was set for a node. A key is a node's name, or consecutive names of a path joined by `/`; it holds for
     /// the node and all below it, and the longest that fits decides.
     pub fn node(&self, path: &str) -> Option<&Node> {
-        let fits = |key: &str| format!("/{path}/").contains(&format!("/{}/", key.trim_matches('/')));
-        let fitting = self.nodes.iter().filter(|(key, _)| fits(key));
+        let fitting = self.nodes.iter().filter(|(key, _)| Self::key_fits(key, path));
         fitting.max_by_key(|(key, _)| key.len()).map(|(_, node)| node)
+    }
+
+    fn key_fits(key: &str, path: &str) -> bool {
+        format!("/{path}/").contains(&format!("/{}/", key.trim_matches('/')))
     }
 
     /// Makes file names relative to `folder` instead of the settings file.
     fn resolve_files(&mut self, folder: &Path) {
-        let media = self.media.iter_mut().flatten().flat_map(Medium::files_mut);
-        let files = self.env.iter_mut().map(|env| &mut env.file).chain(self.ies.values_mut()).chain(media);
-        for file in files {
+        for file in self.files_mut() {
             *file = folder.join(&*file);
         }
+    }
+
+    /// All files that the settings name.
+    pub(crate) fn files_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
+        let media = self.media.iter_mut().flatten().flat_map(Medium::files_mut);
+        self.env.iter_mut().map(|env| &mut env.file).chain(self.ies.values_mut()).chain(media)
     }
 }
 

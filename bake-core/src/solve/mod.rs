@@ -172,6 +172,10 @@ impl PageSolver<'_, '_> {
             let counters = Counters::default();
             for (offset, estimate) in estimates.iter_mut().enumerate() {
                 let texel = task * TEXELS_PER_TASK + offset;
+                // A texel may take seconds in late rounds: too long to wait for its whole task.
+                if self.progress.is_cancelled() {
+                    return Err(Interrupted);
+                }
                 if !starts[texel].is_empty() {
                     estimate.add(self.paths, &starts[texel], self.texel_seed(texel), samples.clone(), &counters);
                 }

@@ -1,0 +1,89 @@
+//! The package that `bake run` writes: opened before the work begins, published whole at its end.
+
+use crate::exit::Failure;
+use crate::job::Job;
+use crate::report::Measured;
+use bake_core::fingerprint;
+use bake_core::package::{self, Bake, Record};
+use bake_core::plan::Plan;
+use bake_core::solve::Lightmap;
+use bake_formats::FormatError;
+use bake_formats::float_image::PixelFormat;
+use bake_formats::manifest::Source;
+use bake_formats::package::{PackageWriter, write_atomic};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// A folder that will take a package.
+pub struct Output {
+    folder: PathBuf,
+    /// The folder, to be removed again where nothing comes to lie in it.
+    made: MadeFolder,
+}
+
+/// Folders made here; those still empty at the end are removed.
+struct MadeFolder(Vec<PathBuf>);
+
+impl Drop for MadeFolder {
+    fn drop(&mut self) {
+        for folder in &self.0 {
+            // Refused by the system unless empty, which is meant.
+            let _ = std::fs::remove_dir(folder);
+        }
+    }
+}
+
+impl Output {
+    /// Makes the folder and proves that files can be written to it.
+    pub fn open(folder: &Path, name: &str) -> Result<Self, Failure> {
+        let missing = folder.ancestors().take_while(|path| !path.as_os_str().is_empty() && !path.exists());
+        let made = MadeFolder(missing.map(Path::to_owned).collect());
+        // A writer that is dropped leaves nothing behind; the package's own comes when there is something to write.
+        drop(PackageWriter::create(folder, name)?);
+        tempfile::tempfile_in(folder).map_err(|error| Failure::unwritable(folder, error))?;
+        Ok(Self { folder: folder.to_owned(), made })
+    }
+
+    /// Writes everything and publishes it; returns the manifest's path.
+    pub fn write(mut self, scene_file: &Path, job: &Job, plan: &Plan, lightmap: &Lightmap) -> Result<PathBuf, Failure> {
+        let bake = Bake { scene: &job.scene, atlas: &job.atlas, pages: &lightmap.pages };
+        let path = package::write(&self.folder, bake, &record(scene_file, job, plan)?)?;
+        self.made.0.clear();
+        Ok(path)
+    }
+}
+
+/// What the manifest says about how it was baked.
+fn record(scene_file: &Path, job: &Job, plan: &Plan) -> Result<Record, Failure> {
+    let file = scene_file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let blake3 = fingerprint::scene(scene_file).map_err(|error| Failure::unreadable(scene_file, &error))?;
+    Ok(Record {
+        source: Source { file, blake3 },
+        settings: fingerprint::settings(&job.settings).map_err(Failure::failed)?,
+        plan: serde_json::to_value(&plan.effects).expect("plain data becomes JSON"),
+        media: Vec::new(),
+        warnings: job.warnings.clone(),
+        reproducible: true,
+        pixels: if job.settings.half { PixelFormat::F16 } else { PixelFormat::F32 },
+    })
+}
+
+/// Writes `NAME.run.json` beside the manifest; it lies outside the package's hashes.
+pub fn write_measured(measured: &Measured) -> Result<(), Failure> {
+    let manifest = measured.package.file_name().unwrap_or_default().to_string_lossy();
+    let name = manifest.strip_suffix(bake_formats::package::MANIFEST_SUFFIX).unwrap_or(&manifest);
+    let path = measured.package.with_file_name(format!("{name}.run.json"));
+    let mut bytes = serde_json::to_vec_pretty(measured).expect("plain data becomes JSON");
+    bytes.push(b'\n');
+    Ok(write_atomic(&path, |out| out.write_all(&bytes))?)
+}
+
+impl From<FormatError> for Failure {
+    fn from(error: FormatError) -> Self {
+        match error {
+            FormatError::Io { path, source, .. } => Self::unwritable(&path, source),
+            FormatError::FolderTaken { .. } => Self::invalid(error),
+            other => Self::failed(other),
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! `bake run` and `bake plan` from scene to package: what is written, what repeats, and what never lies half-written.
+
+use crate::bake::{Desk, Ended, gltf};
+use bake_formats::{Package, Term};
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader};
+use std::process::Stdio;
+
+/// A bake of a few thousand rays.
+const SMALL: &str = "--samples 8 --page-size 64 --max-pages 1";
+
+/// Content of a package by file name, but for the file of measurements.
+fn package_bytes(desk: &Desk, folder: &str) -> BTreeMap<String, Vec<u8>> {
+    let entries = std::fs::read_dir(desk.path(folder)).expect("the package's folder");
+    let files = entries.map(|entry| entry.expect("readable"));
+    let named = files.map(|file| {
+        let name = file.file_name().into_string().expect("our names are plain");
+        (name, std::fs::read(file.path()).expect("readable"))
+    });
+    named.filter(|(name, _)| !name.ends_with(".run.json")).collect()
+}
+
+#[test]
+fn a_bake_writes_a_whole_package_and_reports() {
+    let desk = Desk::with_room();
+    let ended = desk.bake(&format!("run room.glb {SMALL}"));
+    ended.expect(0, &[]);
+    for word in ["load", "atlas", "trace", "write", "Mrays/s", "peak memory", "samples per texel", "room.bake.json"] {
+        assert!(ended.out.contains(word), "no '{word}' in\n{}", ended.out);
+    }
+    let package = Package::open(&desk.path("room.bake")).expect("a whole package");
+    assert_eq!(package.manifest.terms, [Term::Direct, Term::Indirect]);
+    let image = package.image(&package.manifest.pages[0].lightmap).expect("readable");
+    let total = image.rgb::<[f32; 3]>("").expect("R, G and B");
+    assert!(total.iter().flatten().all(|value| value.is_finite() && *value >= 0.0));
+    assert!(total.iter().flatten().any(|value| *value > 0.0), "no light at all");
+    assert_eq!(desk.list(), ["room.bake", "room.glb"]);
+}
+
+#[test]
+fn json_holds_the_same_report() {
+    let desk = Desk::with_room();
+    let ended = desk.bake(&format!("run room.glb {SMALL} -o out --json --progress json"));
+    assert_eq!(ended.code, Some(0), "{ended:#?}");
+    let report: serde_json::Value = serde_json::from_str(&ended.out).expect("JSON alone on standard output");
+    assert!(report["rays"].as_u64() > Some(0) && report["rays_per_second"].as_f64() > Some(0.0), "{report}");
+    let run = std::fs::read_to_string(desk.path("out/room.run.json")).expect("written");
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&run).expect("JSON"), report);
+    let stages: Vec<serde_json::Value> = ended
+        .err
+        .lines()
+        .filter(|line| line.starts_with('{'))
+        .map(|line| serde_json::from_str(line).expect("one object a line"))
+        .collect();
+    assert!(stages.iter().any(|line| line["stage"] == "trace" && line["done"] == line["total"]), "{}", ended.err);
+}
+
+#[test]
+fn same_bits_whatever_the_thread_count() {
+    let desk = Desk::with_room();
+    let bake = |folder: &str, flags: &str| {
+        desk.bake(&format!("run room.glb {SMALL} --sh1 -q -o {folder} {flags}")).expect(0, &[]);
+        package_bytes(&desk, folder)
+    };
+    let first = bake("one", "--threads 1");
+    assert!(first.len() >= 4, "manifest, lightmap, terms and harmonics: {:?}", first.keys());
+    for (folder, threads) in [("again", 1), ("two", 2), ("seven", 7), ("seven-again", 7)] {
+        let other = bake(folder, &format!("--threads {threads}"));
+        assert_eq!(first.keys().collect::<Vec<_>>(), other.keys().collect::<Vec<_>>());
+        for (name, bytes) in &first {
+            assert!(*bytes == other[name], "{name} differs with {threads} threads ({folder})");
+        }
+    }
+    let control = bake("seed", "--threads 1 --seed 1");
+    assert!(control["room.lightmap.00.exr"] != first["room.lightmap.00.exr"], "another seed must give other bits");
+}
+
+#[test]
+fn plan_writes_nothing_and_says_what_would_be_done() {
+    let desk = Desk::with_room();
+    let ended = desk.bake("plan room.glb --quality final");
+    ended.expect(0, &[]);
+    for word in ["4 meshes", "on  emissive surfaces", "off fog", "texels", "memory", "128 to 65536 per texel"] {
+        assert!(ended.out.contains(word), "no '{word}' in\n{}", ended.out);
+    }
+    let json = desk.bake("plan room.glb --json").out;
+    let plan: serde_json::Value = serde_json::from_str(&json).expect("JSON alone on standard output");
+    assert!(plan["atlas"]["texels"].as_u64() > Some(0), "{plan}");
+    assert_eq!(desk.list(), ["room.glb"]);
+}
+
+#[test]
+fn a_scene_without_light_or_with_damage_is_refused_by_both_commands() {
+    let desk = Desk::new();
+    desk.write("dark.gltf", gltf(1.0));
+    desk.write(
+        "cut.glb",
+        &std::fs::read(testkit::reference::workspace().join("scenes/cornell.glb")).expect("there")[..500],
+    );
+    desk.write("noise.glb", [7u8; 64]);
+    for command in ["run", "plan"] {
+        desk.bake(&format!("{command} dark.gltf")).expect(2, &["dark.gltf", "no light", "--sky", "--sun", "--env"]);
+        desk.bake(&format!("{command} cut.glb")).expect(2, &["cut.glb"]);
+        desk.bake(&format!("{command} noise.glb")).expect(2, &["noise.glb", "glTF"]);
+    }
+    desk.bake(&format!("run dark.gltf --sky 100 {SMALL}")).expect(0, &[]);
+}
+
+#[test]
+fn effects_of_later_versions_are_refused_by_name() {
+    let desk = Desk::with_room();
+    desk.bake("run room.glb --fog sigma_t=0.5,albedo=0.9").expect(2, &["fog", "not in this version"]);
+    desk.bake("plan room.glb --probes 1").expect(2, &["probe", "not in this version"]);
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_told_before_tracing() {
+    let desk = Desk::with_room();
+    let long = "--samples 1000000";
+    desk.bake(&format!("run room.glb {long} -o room.glb")).expect(1, &["cannot write", "room.glb", "-o"]);
+    desk.bake(&format!("run room.glb {long} -o room.glb/deep/er")).expect(1, &["cannot write", "-o"]);
+    assert_eq!(desk.list(), ["room.glb"]);
+}
+
+#[test]
+fn a_folder_with_another_package_is_left_alone() {
+    let desk = Desk::with_room();
+    std::fs::copy(desk.path("room.glb"), desk.path("hut.glb")).expect("copied");
+    desk.bake(&format!("run room.glb {SMALL} -o out")).expect(0, &[]);
+    let before = package_bytes(&desk, "out");
+    desk.bake(&format!("run hut.glb {SMALL} -o out")).expect(2, &["out", "room", "-o"]);
+    assert!(before == package_bytes(&desk, "out"));
+}
+
+/// A file size limit stands for a full disk: writing fails in the middle of a file.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_leaves_the_older_package_whole() {
+    let desk = Desk::with_room();
+    desk.bake(&format!("run room.glb {SMALL} -o out")).expect(0, &[]);
+    let before = package_bytes(&desk, "out");
+    let limited = |folder: &str| {
+        let program = desk.command("");
+        let script = format!("trap '' XFSZ; ulimit -f 8; exec \"$0\" run room.glb {SMALL} --seed 9 -o {folder}");
+        let mut shell = std::process::Command::new("bash");
+        shell.args(["-c", &script]).arg(program.get_program()).current_dir(desk.path("")).env("NO_COLOR", "1");
+        Ended::from(shell.output().expect("bash is there"))
+    };
+    limited("out").expect(1, &["cannot write", "out"]);
+    assert!(before == package_bytes(&desk, "out"), "the older package changed");
+    Package::open(&desk.path("out")).expect("the older package is whole");
+    limited("new").expect(1, &["cannot write"]);
+    assert_eq!(desk.list(), ["out", "room.glb"], "a folder without a package stays behind");
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_stops_cleanly_and_leaves_nothing() {
+    let desk = Desk::with_room();
+    let mut bake = desk.command("run room.glb --samples 20000 --progress json -o new");
+    let mut child = bake.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts");
+    let mut lines = BufReader::new(child.stderr.take().expect("piped")).lines();
+    let tracing = lines.any(|line| line.expect("UTF-8").contains("\"stage\":\"trace\""));
+    assert!(tracing, "the bake ended before it traced");
+    interrupt(child.id());
+    let told = lines.any(|line| line.expect("UTF-8").contains("interrupted"));
+    let status = child.wait().expect("it ends");
+    assert_eq!(status.code(), Some(130), "{status}");
+    assert!(told, "nothing was said about the interruption");
+    assert_eq!(desk.list(), ["room.glb"]);
+}
+
+#[cfg(unix)]
+fn interrupt(process: u32) {
+    let sent = std::process::Command::new("kill").args(["-INT", &process.to_string()]).status();
+    assert!(sent.expect("`kill` is there").success());
+}
+
+/// A triangle sealed in a box sees only back faces: no light can be found for it, nor neighbours to fill it from.
+#[test]
+fn texels_that_cannot_be_baked_give_code_3() {
+    let desk = Desk::new();
+    desk.write("sealed.gltf", gltf(-1.0));
+    let ended = desk.bake(&format!("run sealed.gltf --sky 100 {SMALL}"));
+    assert_eq!(ended.code, Some(3), "{ended:#?}");
+    assert!(ended.out.contains("without any light"), "{}", ended.out);
+}

@@ -1,0 +1,65 @@
+//! What a package remembers of its sources: hashes that tell whether scene or settings have changed since.
+
+use crate::settings::Settings;
+use serde_json::Value;
+use std::io;
+use std::path::Path;
+
+/// BLAKE3 of the scene file, lower-case hexadecimal.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn scene(file: &Path) -> io::Result<String> {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update_reader(std::fs::File::open(file)?)?;
+    Ok(hasher.finalize().to_hex().to_string())
+}
+
+/// The settings as they stand in a package: the same wherever the bake ran. A file is told by its name and the BLAKE3
+/// of its bytes.
+///
+/// # Errors
+/// A file cannot be read.
+pub fn settings(settings: &Settings) -> io::Result<Value> {
+    let mut settings = settings.clone();
+    for file in settings.files_mut() {
+        let hash = blake3::hash(&std::fs::read(&*file)?).to_hex();
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        *file = format!("{name}#{hash}").into();
+    }
+    // By way of text: 0.1 stays 0.1, where a direct conversion shows the digits of its 32-bit neighbour.
+    let text = serde_json::to_string(&settings).expect("plain data becomes JSON");
+    Ok(serde_json::from_str(&text).expect("what was written is JSON"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Env;
+
+    #[test]
+    fn files_are_told_by_content_and_not_by_place() {
+        let record = |folder: &Path, content: &str| {
+            let file = folder.join("sky.hdr");
+            std::fs::write(&file, content).expect("written");
+            let env = Some(Env { file, rotation_deg: 0.1, scale: 1.0 });
+            settings(&Settings { env, ..Settings::default() }).expect("readable")
+        };
+        let (a, b) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+        assert_eq!(record(a.path(), "one"), record(b.path(), "one"));
+        assert_ne!(record(a.path(), "one"), record(b.path(), "two"));
+        assert_eq!(record(a.path(), "one")["env"]["rotation_deg"].to_string(), "0.1");
+    }
+
+    #[test]
+    fn one_byte_changes_the_scenes_hash() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("a.glb");
+        let hash = |bytes: &[u8]| {
+            std::fs::write(&file, bytes).expect("written");
+            scene(&file).expect("readable")
+        };
+        assert_ne!(hash(b"glTF1"), hash(b"glTF2"));
+        assert!(scene(&folder.path().join("none.glb")).is_err());
+    }
+}

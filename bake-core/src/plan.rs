@@ -1,0 +1,202 @@
+//! What a bake will simulate and why, and what that will take: derived from scene, settings and atlas before any ray.
+
+use crate::atlas::Atlas;
+use crate::scene::{AlphaMode, LightKind, Material, Scene};
+use crate::settings::Settings;
+use glam::Vec3;
+use serde::Serialize;
+
+/// The plan of one bake.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Plan {
+    /// Every effect that the program knows, on or off.
+    pub effects: Vec<Effect>,
+    /// What the scene consists of.
+    pub scene: SceneSize,
+    /// What will be written.
+    pub atlas: AtlasSize,
+    /// What it will take.
+    pub cost: Cost,
+}
+
+/// Something that light may do.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Effect {
+    /// Name.
+    pub name: &'static str,
+    /// Whether it is simulated.
+    pub on: bool,
+    /// The reason.
+    pub why: String,
+}
+
+/// Size of the scene.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SceneSize {
+    /// Meshes.
+    pub meshes: usize,
+    /// Placements of meshes.
+    pub instances: usize,
+    /// Of those, the ones that take a lightmap.
+    pub lightmapped: usize,
+    /// Triangles stored.
+    pub triangles: usize,
+    /// Triangles in the world, instances counted.
+    pub instanced_triangles: usize,
+    /// Materials.
+    pub materials: usize,
+    /// Point, spot and directional lights.
+    pub lights: usize,
+    /// Bounding box, metres.
+    pub bounds: [Vec3; 2],
+}
+
+/// Size of the lightmaps.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct AtlasSize {
+    /// Width and height of each page, texels.
+    pub pages: Vec<[u32; 2]>,
+    /// Texels with a surface behind them.
+    pub texels: usize,
+    /// Charts.
+    pub charts: u32,
+}
+
+/// What a bake takes, estimated.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cost {
+    /// Samples per texel: the preset's floor, about what its error takes, and its cap.
+    pub samples: [u32; 3],
+    /// Rays for each of these.
+    pub rays: [f64; 3],
+    /// Seconds for each of these, on `threads` threads.
+    pub seconds: [f64; 3],
+    /// Threads counted on.
+    pub threads: usize,
+    /// Memory at the peak, bytes.
+    pub memory_bytes: u64,
+}
+
+/// Rays per sample and surface on the way: the path's own and one towards an emitter.
+const RAYS_PER_VERTEX: f64 = 2.0;
+/// Most vertices that count: Russian roulette ends paths after a few reflections. Measured: 4.8 rays a sample in a box
+/// of usual albedos.
+const USUAL_VERTICES: f64 = 2.5;
+/// Rays per second and thread: between the 2 million of a box of 46 triangles and a fraction of that in large scenes.
+const RAYS_PER_SECOND: f64 = 1e6;
+
+impl Plan {
+    /// Derives the plan.
+    pub fn derive(scene: &Scene, settings: &Settings, atlas: &Atlas, threads: usize) -> Self {
+        let texels = atlas.pages.iter().map(|page| page.texels.len()).sum();
+        let size = AtlasSize {
+            pages: atlas.pages.iter().map(|page| [page.width, page.height]).collect(),
+            texels,
+            charts: atlas.layouts.iter().map(|layout| layout.charts).sum(),
+        };
+        Self {
+            effects: effects(scene, settings),
+            scene: scene_size(scene, atlas),
+            cost: cost(scene, settings, atlas, texels, threads),
+            atlas: size,
+        }
+    }
+}
+
+fn effects(scene: &Scene, settings: &Settings) -> Vec<Effect> {
+    let near = scene.lights.iter().filter(|light| !matches!(light.kind, LightKind::Directional { .. })).count();
+    let materials = |name, test: fn(&Material) -> bool| {
+        Effect::counted(name, scene.materials.iter().filter(|material| test(material)).count(), "material")
+    };
+    vec![
+        Effect::counted("point and spot lights", near, "light"),
+        Effect::counted("directional lights", scene.lights.len() - near, "light"),
+        materials("emissive surfaces", |m| m.emission != Vec3::ZERO),
+        Effect::counted("environment", usize::from(scene.environment.is_some()), "sky or environment image"),
+        Effect {
+            name: "reflected light",
+            on: settings.bounces != Some(0),
+            why: match settings.bounces {
+                None => "unlimited reflections under Russian roulette".into(),
+                Some(count) => format!("bounces is {count}"),
+            },
+        },
+        materials("cut-out and see-through", |m| m.alpha_mode != AlphaMode::Opaque),
+        materials("transmission", |m| m.transmission > 0.0),
+        materials("diffuse transmission", |m| m.diffuse_transmission > 0.0),
+        materials("absorption in volumes", |m| m.volume_sigma_a != Vec3::ZERO),
+        Effect::counted("fog", 0, "medium"),
+    ]
+}
+
+impl Effect {
+    /// On where there is at least one of what it takes.
+    fn counted(name: &'static str, count: usize, what: &str) -> Self {
+        let plural = if count > 1 { "s" } else { "" };
+        let why = if count == 0 { format!("no {what}") } else { format!("{count} {what}{plural}") };
+        Self { name, on: count > 0, why }
+    }
+}
+
+fn scene_size(scene: &Scene, atlas: &Atlas) -> SceneSize {
+    let triangles_of = |mesh: u32| scene.meshes[mesh as usize].triangles.len();
+    SceneSize {
+        meshes: scene.meshes.len(),
+        instances: scene.instances.len(),
+        lightmapped: atlas.placements.iter().flatten().count(),
+        triangles: scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum(),
+        instanced_triangles: scene.instances.iter().map(|instance| triangles_of(instance.mesh)).sum(),
+        materials: scene.materials.len(),
+        lights: scene.lights.len(),
+        bounds: bounds(scene),
+    }
+}
+
+/// The box around all placed vertices.
+fn bounds(scene: &Scene) -> [Vec3; 2] {
+    let mut bounds = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+    for instance in &scene.instances {
+        for position in &scene.meshes[instance.mesh as usize].positions {
+            let world = instance.world_from_object.transform_point3(*position);
+            bounds = [bounds[0].min(world), bounds[1].max(world)];
+        }
+    }
+    bounds
+}
+
+fn cost(scene: &Scene, settings: &Settings, atlas: &Atlas, texels: usize, threads: usize) -> Cost {
+    let solver = settings.lightmap_settings();
+    let (floor, cap) = (solver.min_samples, solver.max_samples);
+    let usual = (solver.target_error.powi(-2) as u32).clamp(floor, cap);
+    let samples = [floor, usual, cap];
+    let vertices = settings.bounces.map_or(USUAL_VERTICES, |bounces| (f64::from(bounces) + 1.0).min(USUAL_VERTICES));
+    let rays = samples.map(|count| f64::from(count) * texels as f64 * vertices * RAYS_PER_VERTEX);
+    let seconds = rays.map(|rays| rays / (RAYS_PER_SECOND * threads.max(1) as f64));
+    Cost { samples, rays, seconds, threads, memory_bytes: memory(scene, atlas, settings.sh1) }
+}
+
+/// Geometry, trees, images, surface points and buffers at their largest, bytes.
+fn memory(scene: &Scene, atlas: &Atlas, sh1: bool) -> u64 {
+    /// Position, normal, two texture coordinates and colour.
+    const VERTEX: usize = 12 + 12 + 16 + 16;
+    /// Indices, and the triangle's copy and its share of nodes in the tree.
+    const TRIANGLE: usize = 12 + 36 + 16 + 48;
+    /// Terms, variance, samples and validity, twice while seams are stitched.
+    const PAGE_TEXEL: usize = 2 * (2 * 12 + 12 + 4 + 1);
+    /// Estimates of the solver.
+    const COVERED_TEXEL: usize = 256;
+    const SH1_TEXEL: usize = 2 * 48;
+    const POINT: usize = 64;
+    let meshes: usize = scene.meshes.iter().map(|m| m.positions.len() * VERTEX + m.triangles.len() * TRIANGLE).sum();
+    let images: usize = scene.images.iter().map(|image| image.rgba.len() * 4).sum();
+    let per_texel = PAGE_TEXEL + if sh1 { SH1_TEXEL } else { 0 };
+    let pages: usize = atlas
+        .pages
+        .iter()
+        .map(|page| {
+            let area = page.width as usize * page.height as usize;
+            area * per_texel + page.texels.len() * COVERED_TEXEL + page.points.len() * POINT
+        })
+        .sum();
+    (meshes + images + pages) as u64
+}
