@@ -15,11 +15,11 @@ pub(super) fn records(lights: &[Light]) -> Vec<LightRecord> {
 }
 
 fn record(light: &Light) -> LightRecord {
-    let kind = match &light.kind {
-        &LightKind::Point { position, radius, range, ref profile } => {
+    let kind = match light.kind {
+        LightKind::Point { position, radius, range, ref profile } => {
             manifest::LightKind::Point { position, radius, range, profile: profile.as_ref().map(reduce) }
         }
-        &LightKind::Spot { position, direction, cos_inner, cos_outer, radius, range, ref profile } => {
+        LightKind::Spot { position, direction, cos_inner, cos_outer, radius, range, ref profile } => {
             manifest::LightKind::Spot {
                 position,
                 direction,
@@ -30,7 +30,7 @@ fn record(light: &Light) -> LightRecord {
                 profile: profile.as_ref().map(reduce),
             }
         }
-        &LightKind::Directional { direction, angular_radius } => {
+        LightKind::Directional { direction, angular_radius } => {
             manifest::LightKind::Directional { direction, angular_radius }
         }
     };
