@@ -67,6 +67,8 @@ pub enum Command {
     Plan(Box<commands::plan::Args>),
     /// Write a commented settings file for a scene
     Init(commands::init::Args),
+    /// Make, show and check the tables that fog is baked with
+    Tables(commands::tables::Args),
 }
 
 /// The command line did not lead to a command.

@@ -9,7 +9,7 @@
 //! 48      …     manifest, UTF-8 JSON ([`TableManifest`])
 //! …       …     zstd of all tables in manifest order
 //! ```
-//! A table is stored column by column (one curve over distance after the other) as f32 or f16 divided by a power of two,
+//! A table is stored column by column (one curve over distance after the other) as f32, its upper 24 bits, or f16, divided by a power of two,
 //! and split into byte planes (all lowest bytes first) so that it compresses. What the numbers mean, the crate `tables` knows.
 
 use std::collections::BTreeMap;
@@ -38,6 +38,8 @@ const LEVEL: i32 = 12;
 pub enum Precision {
     /// 16 bits, 11 of them significant.
     F16,
+    /// 24 bits: f32 without its last byte, 16 significant bits.
+    F24,
     /// 32 bits.
     F32,
 }
@@ -46,6 +48,7 @@ impl Precision {
     fn bytes(self) -> usize {
         match self {
             Self::F16 => 2,
+            Self::F24 => 3,
             Self::F32 => 4,
         }
     }
@@ -238,10 +241,18 @@ fn pack(entry: &TableEntry, values: &[f32]) -> Vec<u8> {
         let mut put = |bytes: &[u8]| bytes.iter().enumerate().for_each(|(plane, b)| planes[plane * count + i] = *b);
         match entry.precision {
             Precision::F32 => put(&value.to_le_bytes()),
+            Precision::F24 => put(&upper_24(value)),
             Precision::F16 => put(&f16::from_f32(value).to_le_bytes()),
         }
     }
     planes
+}
+
+/// The upper three bytes of the nearest f32 that has no more, ties to even.
+fn upper_24(value: f32) -> [u8; 3] {
+    let bits = value.to_bits();
+    let [_, a, b, c] = bits.wrapping_add(0x7f + (bits >> 8 & 1)).to_le_bytes();
+    [a, b, c]
 }
 
 fn unpack(entry: &TableEntry, planes: &[u8]) -> Vec<f32> {
@@ -251,6 +262,7 @@ fn unpack(entry: &TableEntry, planes: &[u8]) -> Vec<f32> {
         let byte = |plane: usize| planes[plane * count + i];
         let stored = match entry.precision {
             Precision::F32 => f32::from_le_bytes([byte(0), byte(1), byte(2), byte(3)]),
+            Precision::F24 => f32::from_le_bytes([0, byte(0), byte(1), byte(2)]),
             Precision::F16 => f16::from_le_bytes([byte(0), byte(1)]).to_f32(),
         };
         values[at] = stored * entry.scale;
@@ -300,6 +312,23 @@ mod tests {
         let path = folder.path().join("x.tables");
         file.write(&path).unwrap();
         assert_eq!(TableFile::read(&path).unwrap(), file);
+    }
+
+    #[test]
+    fn each_precision_keeps_its_digits_and_no_more() {
+        let value = 0.123_456_79f32;
+        let stored = |precision| {
+            let mut file = sample();
+            file.manifest.tables[0].precision = precision;
+            file.values[0][0] = value;
+            let back = TableFile::from_bytes(&file.to_bytes(), "memory").unwrap();
+            (f64::from(back.values[0][0]) / f64::from(value) - 1.0).abs()
+        };
+        assert_eq!(stored(Precision::F32), 0.0);
+        for (precision, bits) in [(Precision::F24, 17), (Precision::F16, 12)] {
+            let unit = 0.5f64.powi(bits);
+            assert!((0.01 * unit..unit).contains(&stored(precision)), "{precision:?}: {:e}", stored(precision));
+        }
     }
 
     #[test]

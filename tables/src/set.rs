@@ -141,8 +141,12 @@ pub fn to_file(recipe: &Recipe, tables: &[Curves]) -> TableFile {
 }
 
 fn entry(name: &str, recipe: &Recipe, curves: &Curves) -> TableEntry {
-    let always_f32 = matches!(name, "point.single" | "directional.single");
-    let precision = if always_f32 { Precision::F32 } else { recipe.precision };
+    let precision = match (name, recipe.precision) {
+        ("point.single" | "directional.single", _) => Precision::F32,
+        // Twenty Legendre tables add up to a number a hundred times smaller where the emitter faces away.
+        ("area.single", Precision::F16) => Precision::F24,
+        (_, precision) => precision,
+    };
     let largest = curves.values.iter().fold(f32::MIN_POSITIVE, |m, v| m.max(v.abs()));
     TableEntry {
         name: name.to_owned(),

@@ -6,6 +6,7 @@ pub mod init;
 pub mod later;
 pub mod plan;
 pub mod run;
+pub mod tables;
 
 use crate::cli::{Cli, Command};
 use crate::exit::{Failure, Outcome};
@@ -20,5 +21,6 @@ pub fn dispatch(cli: &Cli) -> Result<Outcome, Failure> {
         Command::Run(args) => run::run(args, &cli.global),
         Command::Plan(args) => plan::run(args, &cli.global),
         Command::Init(args) => init::run(args, &cli.global),
+        Command::Tables(args) => tables::run(args, &cli.global),
     }
 }

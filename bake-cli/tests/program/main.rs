@@ -3,4 +3,5 @@
 mod bake;
 mod run;
 mod settings;
+mod tables;
 mod usage;

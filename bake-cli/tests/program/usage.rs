@@ -10,6 +10,7 @@ fn help_fits_a_screen() {
         ("run --help", "Accuracy:"),
         ("run -h", "--max-pages"),
         ("plan --help", "--texels-per-m"),
+        ("tables generate --help", "--scatter-orders"),
         ("init --help", "--force"),
     ] {
         let ended = desk.bake(arguments);

@@ -1,0 +1,174 @@
+//! `bake tables`: the impulse-response tables that fog is baked with: made, shown, checked.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use ::tables::accuracy;
+use ::tables::curves::Grid;
+use ::tables::set::{self, NAMES};
+use ::tables::{Recipe, TableSet, drawing};
+use bake_core::progress::Progress as _;
+use bake_formats::table_file::{Precision, TableFile};
+
+use crate::cli::Global;
+use crate::exit::{Failure, Outcome};
+use crate::interrupt::Interrupt;
+use crate::progress::Progress;
+
+/// Flags of `bake tables`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    action: Action,
+}
+
+/// What `bake tables` does.
+#[derive(Debug, clap::Subcommand)]
+enum Action {
+    /// Make a table file anew, with its look-up error measured
+    Generate(Generate),
+    /// Print the manifest of a table file and draw its coefficients against distance
+    Inspect(Inspect),
+    /// Recompute part of a table file and compare with the error it states
+    Verify(Verify),
+}
+
+/// Flags of `bake tables generate`.
+#[derive(Debug, clap::Args)]
+struct Generate {
+    /// File to write
+    #[arg(short, long, default_value = "bake.tables")]
+    output: PathBuf,
+    /// Distances stored, uniform in their logarithm
+    #[arg(long, default_value_t = Recipe::default().grid.bins)]
+    bins: usize,
+    /// Smallest distance, optical
+    #[arg(long, default_value_t = Recipe::default().grid.min)]
+    min: f64,
+    /// Largest distance, optical
+    #[arg(long, default_value_t = Recipe::default().grid.max)]
+    max: f64,
+    /// Zonal bands of point and directional light
+    #[arg(long, default_value_t = Recipe::default().bands)]
+    bands: usize,
+    /// Scattering orders with a table each
+    #[arg(long, default_value_t = Recipe::default().scatter_orders)]
+    scatter_orders: usize,
+    /// Storage of the large tables
+    #[arg(long, value_enum, default_value_t = Stored::F16)]
+    precision: Stored,
+}
+
+/// Storage on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Stored {
+    /// 16 bits
+    F16,
+    /// 32 bits
+    F32,
+}
+
+/// Flags of `bake tables inspect`.
+#[derive(Debug, clap::Args)]
+struct Inspect {
+    /// Table file; without it the tables of the program
+    file: Option<PathBuf>,
+    /// Write a picture of one table's coefficients against distance
+    #[arg(long, value_name = "FILE.svg")]
+    svg: Option<PathBuf>,
+    /// Table that is drawn
+    #[arg(long, default_value = "point.single", value_parser = clap::builder::PossibleValuesParser::new(NAMES))]
+    table: String,
+}
+
+/// Flags of `bake tables verify`.
+#[derive(Debug, clap::Args)]
+struct Verify {
+    /// Table file; without it the tables of the program
+    file: Option<PathBuf>,
+    /// Distances recomputed in each table
+    #[arg(long, default_value_t = 8)]
+    samples: usize,
+    /// Which distances: another seed, other places
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+/// Generates, inspects or verifies.
+pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
+    match &args.action {
+        Action::Generate(args) => generate(args, global),
+        Action::Inspect(args) => inspect(args),
+        Action::Verify(args) => verify(args),
+    }
+}
+
+fn generate(args: &Generate, global: &Global) -> Result<Outcome, Failure> {
+    let recipe = Recipe {
+        grid: Grid { min: args.min, max: args.max, bins: args.bins },
+        bands: args.bands,
+        scatter_orders: args.scatter_orders,
+        precision: if args.precision == Stored::F16 { Precision::F16 } else { Precision::F32 },
+        ..Recipe::default()
+    };
+    if let Some(fault) = recipe.fault() {
+        return Err(Failure::wrong(fault, "`bake tables generate --help` lists the flags"));
+    }
+    let progress = Progress::new(global, Interrupt::default());
+    let file = set::generate(&recipe, &reporter(&progress));
+    file.write(&args.output).map_err(Failure::failed)?;
+    println!("{}", args.output.display());
+    Ok(Outcome::Done)
+}
+
+/// Steps of the bar, which has one stage.
+const STEPS: u64 = 1000;
+
+/// Turns shares done into steps of a bar.
+fn reporter(progress: &Progress) -> impl Fn(f64, &str) + Sync {
+    progress.stage("tables", STEPS);
+    let done = AtomicU64::new(0);
+    move |share, _| {
+        let now = (share * STEPS as f64) as u64;
+        progress.advance(now.saturating_sub(done.fetch_max(now, Ordering::Relaxed)));
+        if now == STEPS {
+            progress.finish();
+        }
+    }
+}
+
+fn read(file: &Option<PathBuf>) -> Result<TableFile, Failure> {
+    match file {
+        Some(path) => TableFile::read(path),
+        None => TableFile::from_bytes(set::embedded_bytes(), "the tables of the program"),
+    }
+    .map_err(Failure::invalid)
+}
+
+fn inspect(args: &Inspect) -> Result<Outcome, Failure> {
+    let file = read(&args.file)?;
+    println!("{}", serde_json::to_string_pretty(&file.manifest).map_err(Failure::failed)?);
+    if let Some(path) = &args.svg {
+        let tables = TableSet::from_file(&file).map_err(Failure::invalid)?;
+        let svg = drawing::draw(tables.table(&args.table), tables.recipe().bands, &args.table);
+        std::fs::write(path, svg).map_err(|error| Failure::unwritable(path, error))?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn verify(args: &Verify) -> Result<Outcome, Failure> {
+    let checks = accuracy::verify(&read(&args.file)?, args.samples, args.seed).map_err(Failure::invalid)?;
+    println!("{:<20} {:>12} {:>12}", "table", "stated", "measured");
+    for check in &checks {
+        let verdict = if check.holds { "" } else { "  TOO LARGE" };
+        println!("{:<20} {:>12.2e} {:>12.2e}{verdict}", check.table, check.stored, check.measured);
+    }
+    match checks.iter().find(|check| !check.holds) {
+        Some(check) => Err(Failure::wrong(
+            format!("table {}: error {:.2e} where the file states {:.2e}", check.table, check.measured, check.stored),
+            "make the file anew with `bake tables generate`",
+        )),
+        None => Ok(Outcome::Done),
+    }
+}
