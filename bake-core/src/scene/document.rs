@@ -31,6 +31,7 @@ pub(super) struct Document {
 #[serde(rename_all = "camelCase")]
 pub(super) struct Asset {
     pub version: String,
+    pub generator: Option<String>,
     pub min_version: Option<String>,
 }
 

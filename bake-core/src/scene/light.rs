@@ -3,6 +3,7 @@
 use super::document::{Document, LightRecord};
 use super::error::{Fault, Place, Refusal, lookup};
 use super::ies;
+use super::light_units;
 use super::nodes::Placed;
 use super::options::{Ies, LightUnits, LoadOptions, Sun};
 use super::warning::{WarningKind, Warnings};
@@ -10,9 +11,6 @@ use super::{Light, LightKind, Profile};
 use glam::{DAffine3, DVec3, Vec3};
 use std::collections::BTreeSet;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
-
-/// Illuminance below which a sun looks as if it were not in lux: an overcast day at dawn has about 100.
-const DIM_SUN_LUX: f32 = 20.0;
 
 /// All lights of the placed nodes, then the sun of the settings.
 pub(super) fn load(
@@ -39,7 +37,10 @@ pub(super) fn load(
         );
         warnings.push(WarningKind::UnusedSetting, &Place::root("ies"), message);
     }
-    warn_units(list, &lights, options, warnings);
+    if options.light_units == LightUnits::Gltf && !lights.is_empty() {
+        let generator = document.asset.as_ref().and_then(|asset| asset.generator.as_deref());
+        light_units::warn(list, generator.unwrap_or_default(), warnings);
+    }
     if let Some(sun) = &options.sun {
         lights.push(sunlight(sun)?);
     }
@@ -183,24 +184,6 @@ fn sunlight(sun: &Sun) -> Result<Light, Refusal> {
     Ok(Light { path: "sun".into(), color: sun.color * sun.lux, kind })
 }
 
-/// Says so when numbers look like watts or like factors around one instead of candela and lux.
-fn warn_units(list: &[LightRecord], lights: &[Light], options: &LoadOptions, warnings: &mut Warnings) {
-    if options.light_units != LightUnits::Gltf || lights.is_empty() {
-        return;
-    }
-    for (i, record) in list.iter().enumerate() {
-        let intensity = record.intensity.unwrap_or(1.0);
-        let sun = record.kind == "directional" && intensity > 0.0 && intensity <= DIM_SUN_LUX;
-        if sun || intensity == 1.0 {
-            let unit = if record.kind == "directional" { "lux" } else { "candela" };
-            let message = format!(
-                "an intensity of {intensity} {unit} looks like raw watts or a factor; if so, give `--light-units watts` or `--light-units unitless`"
-            );
-            warnings.push(WarningKind::LightUnits, &Place::entry("extensions.KHR_lights_punctual.lights", i), message);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -227,5 +210,48 @@ mod tests {
         let axes = Axes::of(&world).expect("not flat");
         assert_eq!((axes.travel, axes.side), (Vec3::NEG_Z, Vec3::NEG_X));
         assert!(Axes::of(&DAffine3::from_scale(DVec3::new(1.0, 1.0, 0.0))).is_err());
+    }
+
+    fn converted(json: &str) -> Result<Light, Refusal> {
+        let record: LightRecord = serde_json::from_str(json).expect("valid JSON");
+        let node = super::super::document::Node::default();
+        let world = DAffine3::from_translation(DVec3::ONE);
+        let placed = Placed { index: 0, node: &node, path: "lamp".into(), world };
+        convert(&record, &placed, None, &LoadOptions::default(), &Place::root("lights"))
+    }
+
+    #[test]
+    fn absent_fields_read_as_the_extension_says() {
+        // KHR_lights_punctual: colour white, intensity 1, no range, inner cone 0, outer cone π/4.
+        let light = converted(r#"{"type":"spot","spot":{}}"#).ok().expect("all defaults");
+        assert_eq!(light.color, Vec3::ONE);
+        let LightKind::Spot { position, direction, cos_inner, cos_outer, range, .. } = light.kind else {
+            panic!("a spot")
+        };
+        assert_eq!((position, direction, cos_inner, range), (Vec3::ONE, Vec3::NEG_Z, 1.0, None));
+        assert!((cos_outer - std::f32::consts::FRAC_1_SQRT_2).abs() < 1e-7);
+        let light = converted(r#"{"type":"point","intensity":3,"color":[1,0.5,0],"range":7}"#).ok().expect("a point");
+        assert_eq!(light.color, Vec3::new(3.0, 1.5, 0.0));
+        assert!(matches!(light.kind, LightKind::Point { range: Some(7.0), .. }));
+    }
+
+    #[test]
+    fn cones_and_numbers_out_of_range_are_refused_by_field() {
+        for (json, field) in [
+            (r#"{"type":"spot"}"#, "lights.spot"),
+            (r#"{"type":"spot","spot":{"outerConeAngle":1.6}}"#, "outerConeAngle"),
+            (r#"{"type":"spot","spot":{"outerConeAngle":0}}"#, "outerConeAngle"),
+            (r#"{"type":"spot","spot":{"innerConeAngle":0.8}}"#, "innerConeAngle"),
+            (r#"{"type":"spot","spot":{"innerConeAngle":-0.1}}"#, "innerConeAngle"),
+            (r#"{"type":"point","range":0}"#, "range"),
+            (r#"{"type":"point","intensity":-1}"#, "intensity"),
+            (r#"{"type":"point","color":[1,-1,0]}"#, "color"),
+            (r#"{"type":"lamp"}"#, "type"),
+        ] {
+            let error = converted(json).err().expect(json).into_error(std::path::Path::new("a.gltf"));
+            assert!(error.to_string().contains(field), "{json}: {error}");
+        }
+        // The exporters' π/2 rounded up is taken.
+        assert!(converted(r#"{"type":"spot","spot":{"outerConeAngle":1.5707964}}"#).is_ok());
     }
 }

@@ -16,6 +16,7 @@ mod files;
 mod ies;
 mod image;
 mod light;
+mod light_units;
 mod load;
 mod material;
 mod mesh;
