@@ -223,14 +223,14 @@ mod tests {
     #[test]
     fn absent_fields_read_as_the_extension_says() {
         // KHR_lights_punctual: colour white, intensity 1, no range, inner cone 0, outer cone π/4.
-        let light = converted(r#"{"type":"spot","spot":{}}"#).ok().expect("all defaults");
+        let light = converted(r#"{"type":"spot","spot":{}}"#).expect("all defaults");
         assert_eq!(light.color, Vec3::ONE);
         let LightKind::Spot { position, direction, cos_inner, cos_outer, range, .. } = light.kind else {
             panic!("a spot")
         };
         assert_eq!((position, direction, cos_inner, range), (Vec3::ONE, Vec3::NEG_Z, 1.0, None));
         assert!((cos_outer - std::f32::consts::FRAC_1_SQRT_2).abs() < 1e-7);
-        let light = converted(r#"{"type":"point","intensity":3,"color":[1,0.5,0],"range":7}"#).ok().expect("a point");
+        let light = converted(r#"{"type":"point","intensity":3,"color":[1,0.5,0],"range":7}"#).expect("a point");
         assert_eq!(light.color, Vec3::new(3.0, 1.5, 0.0));
         assert!(matches!(light.kind, LightKind::Point { range: Some(7.0), .. }));
     }
@@ -248,7 +248,7 @@ mod tests {
             (r#"{"type":"point","color":[1,-1,0]}"#, "color"),
             (r#"{"type":"lamp"}"#, "type"),
         ] {
-            let error = converted(json).err().expect(json).into_error(std::path::Path::new("a.gltf"));
+            let error = converted(json).expect_err(json).into_error(std::path::Path::new("a.gltf"));
             assert!(error.to_string().contains(field), "{json}: {error}");
         }
         // The exporters' π/2 rounded up is taken.
