@@ -11,7 +11,11 @@ use bake_optics::phase::Phase;
 use bake_optics::{psf, surface};
 use smallvec::SmallVec;
 use testkit::compare::{Worst, relative_error};
-use testkit::reference::{Row, read_csv, shared};
+use testkit::reference::{Row, read_csv};
+
+fn rows(file: &str) -> Vec<Row> {
+    read_csv(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(file))
+}
 
 /// Checks a file row by row: `value` against the column `want`, separate limits for typical and hard rows.
 fn check(file: &str, want: &str, limits: (f64, f64), value: impl Fn(&Row) -> f64) {
@@ -19,11 +23,10 @@ fn check(file: &str, want: &str, limits: (f64, f64), value: impl Fn(&Row) -> f64
 }
 
 fn check_where(file: &str, want: &str, limits: (f64, f64), which: impl Fn(&Row) -> bool, value: impl Fn(&Row) -> f64) {
-    let Some(path) = shared(&format!("reference/{file}")) else { return };
     let mut typical = Worst::new(format!("{file} {want}, typical rows"), limits.0);
     let mut hard = Worst::new(format!("{file} {want}, hard rows"), limits.1);
     let (mut any_typical, mut any_hard) = (false, false);
-    for row in read_csv(&path).iter().filter(|row| which(row)) {
+    for row in rows(file).iter().filter(|row| which(row)) {
         let worst = if row.is_hard() { &mut hard } else { &mut typical };
         *if row.is_hard() { &mut any_hard } else { &mut any_typical } = true;
         let got = value(row);
@@ -40,9 +43,8 @@ fn macklin_integral() {
         macklin::inverse_square_integral(b, h, d).as_f64()
     }
     check("macklin.csv", "integral", (1e-15, 1e-15), value::<f64>);
-    let Some(path) = shared("reference/macklin.csv") else { return };
     let mut single = Worst::new("Macklin f32 against f64 at the same inputs", 1e-6);
-    for row in read_csv(&path) {
+    for row in rows("macklin.csv") {
         let [b, h, d] = ["b", "v_perp", "d"].map(|name| row.number(name) as f32);
         let want = macklin::inverse_square_integral(f64::from(b), f64::from(h), f64::from(d));
         single.relative(macklin::inverse_square_integral(b, h, d).into(), want, || format!("{row:?}"));
@@ -188,9 +190,8 @@ fn general_airlight_in_closed_form() {
     };
     check_where("airlight_general.csv", "L_m", (1e-11, 1e-9), low, value);
     // Legendre terms cancel where lamp or phase function is dark: relative to isotropic lamp and air.
-    let Some(path) = shared("reference/airlight_general.csv") else { return };
     let mut worst = Worst::new("closed form, lamps of degree 10, relative to isotropic", 1e-7);
-    for row in read_csv(&path).iter().filter(|row| smooth(row) && !low(row)) {
+    for row in rows("airlight_general.csv").iter().filter(|row| smooth(row) && !low(row)) {
         let (sight, air) = general(row);
         let isotropic = UniformAir { phase: Phase::Isotropic, ..air };
         let full = ClosedForm::default().radiance(&sight, &Emitter::Isotropic, &isotropic);
@@ -202,12 +203,11 @@ fn general_airlight_in_closed_form() {
 /// Single precision at the same rounded inputs: smooth lamps and peaked ones (order 10, HG 0.9) apart.
 #[test]
 fn general_airlight_in_single_precision() {
-    let Some(path) = shared("reference/airlight_general.csv") else { return };
     let mut smooth = Worst::new("f32, 24+24 nodes, isotropic lamps", 1e-5);
     // 24+24 nodes resolve |g| = 0.9 no better in f64 when the lamp is 1e-6 m from the ray.
     let mut forward = Worst::new("f32, 24+24 nodes, isotropic lamps, |g| = 0.9", 5e-5);
     let mut peaked = Worst::new("f32, 24+24 nodes, lamps of order 10, relative to isotropic", 5e-4);
-    for row in read_csv(&path) {
+    for row in rows("airlight_general.csv") {
         let (sight, air) = general::<f32>(&row);
         let widen = |x: f32| f64::from(x);
         let wide = Sight {

@@ -5,10 +5,10 @@ use bake_optics::medium::exponential::{self, Climb};
 use bake_optics::medium::planet::{self, Orbit};
 use bake_optics::medium::{linear, transmittance, uniform};
 use testkit::compare::{Worst, relative_error};
-use testkit::reference::{Row, read_csv, shared};
+use testkit::reference::{Row, read_csv};
 
 fn rows(name: &str) -> Vec<Row> {
-    shared(&format!("reference/{name}")).map(|path| read_csv(&path)).unwrap_or_default()
+    read_csv(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name))
 }
 
 /// Optical length of a row's ray and its inverse, computed in T and returned as f64.
@@ -137,9 +137,7 @@ fn check(name: &str, tau: &str, kernel: &impl Kernel, limits: Limits) {
             }
         }
     }
-    if !rows.is_empty() {
-        [forward, inverse, forward_single, inverse_single].iter().for_each(Worst::check);
-    }
+    [forward, inverse, forward_single, inverse_single].iter().for_each(Worst::check);
 }
 
 // Limits are small multiples of the accuracies published with the data (f64: linear 6e-16, exponential 4e-15, the
