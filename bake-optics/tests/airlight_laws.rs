@@ -279,7 +279,7 @@ fn tables_are_close_on_long_rays() {
     worst.check();
     let table = surface::SurfaceTable::new(32, 1.0);
     let mut worst = Worst::new("32² surface table, of the value at θ = 0", 5e-3);
-    for t in [0.05, 0.7, 3.0, 9.0] {
+    for t in [0.05f64, 0.7, 3.0, 9.0] {
         for theta in [0.1, 1.1, 2.5] {
             let error = (table.look_up(t, theta) - surface::g(1.0, t, theta)).abs() / surface::g(1.0, t, 0.0);
             worst.record(error, || format!("{t} {theta}"));
@@ -290,7 +290,7 @@ fn tables_are_close_on_long_rays() {
 
 #[test]
 fn glow_factors_agree_with_brute_force_and_scale_bands() {
-    let factors = psf::convolution_factors(1.3, 9);
+    let factors = psf::convolution_factors(1.3f64, 9);
     for l in [0usize, 1, 4, 8] {
         // Midpoint rule over γ: the kernel is finite.
         let steps = 20_000;

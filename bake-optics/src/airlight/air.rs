@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::Real;
-use crate::airlight::{PathPoint, Sight};
+use crate::airlight::{PathPoint, Sight, borders};
 use crate::medium::{MediumSet, Ray};
 use crate::phase::{Deflection, Phase};
 
@@ -65,8 +65,9 @@ impl<T: Real> Air<T> for UniformAir<T> {
 
 /// Any sum of media, one colour channel, along one ray in the world.
 ///
-/// Corners where the view ray enters or leaves a bounded medium are known; those where the way to the lamp does are not,
-/// and cost digits.
+/// Kinks are known where the view ray crosses the bounds of a medium or the zero level of a linear one, and where the way to
+/// the lamp passes a corner of a box or hull or a flank of a ball. Not known: the cells of a density grid, and where a zero level
+/// meets a ball. Beside a flank light goes as a square root: there 48 quadrature nodes leave 2e-5.
 #[derive(Debug, Clone)]
 pub struct MediumAlong<'a> {
     set: &'a MediumSet,
@@ -79,8 +80,7 @@ pub struct MediumAlong<'a> {
 impl<'a> MediumAlong<'a> {
     /// The media of `set` in `channel` (0 to 2) along `ray` with a lamp at `lamp`.
     pub fn new(set: &'a MediumSet, channel: usize, ray: Ray, lamp: DVec3) -> Self {
-        let clips = set.media.iter().filter_map(|medium| medium.bounds.clip(&ray));
-        let mut breaks: Vec<f64> = clips.flat_map(|(a, b)| [a, b]).filter(|s| *s > 0.0 && *s < ray.length).collect();
+        let mut breaks: Vec<f64> = set.media.iter().flat_map(|medium| borders::kinks(medium, &ray, lamp)).collect();
         breaks.sort_by(f64::total_cmp);
         breaks.dedup();
         Self { set, channel, ray, lamp, breaks }

@@ -12,8 +12,9 @@
 
 use num_complex::Complex;
 
+use crate::Real;
 use crate::airlight::panels::Integrand;
-use crate::airlight::{Air, Airlight, Quadrature, Sight, UniformAir};
+use crate::airlight::{Air, Airlight, IsotropicLamp, Lamp, Quadrature, Sight, UniformAir};
 use crate::emitter::Emitter;
 use crate::legendre;
 use crate::phase::Phase;
@@ -21,12 +22,14 @@ use crate::special::scaled_exponential_integrals;
 
 /// Air-light in closed form.
 ///
-/// *Domain*: uniform air, f64. Phase functions that are no polynomial are cut to `bands` Legendre terms (Henyey–Greenstein
-/// g = 0.5 needs 11 for 4e-3 at its peak, g = 0.9 needs 110: use [`Quadrature`]); lamps are taken exactly where they are piecewise
-/// polynomial (isotropic, Legendre, cos^n with integer n, spot cone), else cut to `bands` too.
-/// Where the closed form cancels (pieces that span less than 0.05 in asinh(z/h); H < 1e-6) it hands over to 64 quadrature nodes.
-/// *Accuracy*, relative to the air-light of an isotropic lamp in isotropic air: 1e-12 up to degree 12 (reference data, H = 1e-6 to 40).
-/// Where lamp or phase function is nearly dark along the ray, fewer digits of the little that is left: 7e-10 at worst for degree 1.
+/// *Domain*: uniform air; f64 with every lamp, f32 with [`IsotropicLamp`] only. Phase functions that are no polynomial are cut to
+/// `bands` Legendre terms (Henyey–Greenstein g = 0.5 needs 11 for 4e-3 at its peak, g = 0.9 needs 110: use [`Quadrature`]); lamps
+/// are taken exactly where they are piecewise polynomial (isotropic, Legendre, cos^n with integer n, spot cone), else cut to
+/// `bands` too. Where the closed form cancels (pieces that span less than 0.05 in asinh(z/h); H < 1e-6; in f32 also less than 2 %
+/// of the endless ray, and phase functions beyond degree 2) it hands over to quadrature.
+/// *Accuracy*, relative to the air-light of an isotropic lamp in isotropic air: in f64 1e-12 up to degree 12 (reference data,
+/// H = 1e-6 to 40), in f32 3e-5. Where lamp or phase function is nearly dark along the ray, fewer digits of the little that is
+/// left: 7e-10 at worst for degree 1 in f64.
 /// *Cost*: 1 µs, O(degree³) beyond degree 4; `docs/airlight.md`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ClosedForm {
@@ -42,67 +45,91 @@ impl Default for ClosedForm {
 
 impl Airlight<f64, UniformAir<f64>> for ClosedForm {
     fn radiance(&self, sight: &Sight<f64>, lamp: &Emitter<f64>, air: &UniformAir<f64>) -> f64 {
-        if sight.meets_lamp() {
-            return f64::INFINITY;
-        }
-        let integrand = Integrand { sight, lamp, air };
-        let pieces = integrand.pieces(DEPTH, &[]);
-        if air.sigma_t * sight.h < 1e-6 || pieces.iter().any(|&piece| is_narrow(sight, piece)) {
-            return Quadrature::new(64).radiance(sight, lamp, air);
-        }
-        let phase = phase_series(&air.phase, self.bands);
-        let sum: f64 = pieces.iter().map(|&piece| self.piece(sight, lamp, air, &phase, piece)).sum();
-        2.0 * air.sigma_s / sight.h * sum * air.common_transmittance(sight)
+        self.evaluate(sight, lamp, air, |cos_axis| lamp_series(lamp, cos_axis, self.bands))
     }
 }
 
-/// Beyond any rounding: pieces beyond are left out.
-const DEPTH: f64 = 700.0;
+impl<T: Real> Airlight<T, UniformAir<T>, IsotropicLamp> for ClosedForm {
+    fn radiance(&self, sight: &Sight<T>, lamp: &IsotropicLamp, air: &UniformAir<T>) -> T {
+        self.evaluate(sight, lamp, air, |_| vec![T::one()])
+    }
+}
+
+/// Legendre terms of the phase function beyond which f32 has no digits left (Pegoraro et al. 2010's order 10: errors above 1).
+const MOST_TERMS_SINGLE: usize = 3;
+
+/// Share of the endless ray's light below which the difference of two tails has lost its f32 digits. A bound on asinh(z/h) alone
+/// does not see it: at 1e-4 rad from a lamp behind the ray's end it leaves an error of 6e-3.
+const LEAST_SHARE_SINGLE: f64 = 0.02;
 
 impl ClosedForm {
-    /// `e^{−σ excess} ∫ e^{−H (v − v_from)} R dv` over one piece.
-    fn piece(
+    /// `lamp_series`: Legendre coefficients of the polynomial that the lamp is around a cosine from its axis.
+    fn evaluate<T: Real, E: Lamp<T>>(
         &self,
-        sight: &Sight<f64>,
-        lamp: &Emitter<f64>,
-        air: &UniformAir<f64>,
-        phase: &[f64],
-        (from, to): (f64, f64),
-    ) -> f64 {
-        let middle = if to.is_finite() { 0.5 * (from + to) } else { from + 1.0 };
-        let lamp = lamp_series(lamp, sight.cos_axis(&sight.point(middle)), self.bands);
-        let poles = principal_parts(sight, phase, &lamp);
-        let tail = |s: f64| {
-            let excess = sight.excess(s);
-            let v = (sight.behind() + excess) / sight.h;
-            (-air.sigma_t * excess).exp() * tail(&poles, air.sigma_t * sight.h, v)
-        };
-        tail(from) - if to.is_finite() { tail(to) } else { 0.0 }
+        sight: &Sight<T>,
+        lamp: &E,
+        air: &UniformAir<T>,
+        lamp_series: impl Fn(T) -> Vec<T>,
+    ) -> T {
+        if sight.meets_lamp() {
+            return T::infinity();
+        }
+        // Depth beyond any rounding: pieces beyond are left out.
+        let pieces = Integrand { sight, lamp, air }.pieces(T::of(T::pick(80.0, 700.0)), &[]);
+        let phase = phase_series(&air.phase, self.bands);
+        let cancels = air.sigma_t * sight.h < T::of(1e-6)
+            || phase.len() > T::pick(MOST_TERMS_SINGLE, usize::MAX)
+            || pieces.iter().any(|&piece| is_narrow(sight, piece));
+        let by_quadrature = || Quadrature::new(T::pick(24, 64)).radiance(sight, lamp, air);
+        if cancels {
+            return by_quadrature();
+        }
+        let (mut sum, mut whole) = (T::zero(), T::zero());
+        for (from, to) in pieces {
+            let middle = if to.is_finite() { T::of(0.5) * (from + to) } else { from + T::one() };
+            let poles = principal_parts(sight, &phase, &lamp_series(sight.cos_axis(&sight.point(middle))));
+            let start = tail_from(sight, air, &poles, from);
+            whole += start.abs();
+            sum += start;
+            sum -= if to.is_finite() { tail_from(sight, air, &poles, to) } else { T::zero() };
+        }
+        if sum < whole * T::of(T::pick(LEAST_SHARE_SINGLE, 0.0)) {
+            return by_quadrature();
+        }
+        T::of(2.0) * air.sigma_s / sight.h * sum * air.common_transmittance(sight)
     }
+}
+
+/// `e^{−σ excess} ∫ e^{−H (v − v_s)} R dv` from distance `s` on.
+fn tail_from<T: Real>(sight: &Sight<T>, air: &UniformAir<T>, poles: &[Complex<T>], s: T) -> T {
+    let excess = sight.excess(s);
+    let v = (sight.behind() + excess) / sight.h;
+    (-air.sigma_t * excess).exp() * tail(poles, air.sigma_t * sight.h, v)
 }
 
 /// Whether a piece spans so little of asinh(z/h) that its ends' values cancel.
-fn is_narrow(sight: &Sight<f64>, (from, to): (f64, f64)) -> bool {
-    let angle = |s: f64| ((sight.z + s) / sight.h).asinh();
-    to.is_finite() && angle(to) - angle(from) < 0.05
+fn is_narrow<T: Real>(sight: &Sight<T>, (from, to): (T, T)) -> bool {
+    let angle = |s: T| ((sight.z + s) / sight.h).asinh();
+    to.is_finite() && angle(to) - angle(from) < T::of(0.05)
 }
 
 /// `∫_v^∞ e^{−H (v' − v)} R dv'`.
-fn tail(poles: &[Complex<f64>], h: f64, v: f64) -> f64 {
-    let u = Complex::new(v, 1.0);
-    let mut integrals = vec![Complex::default(); poles.len()];
+fn tail<T: Real>(poles: &[Complex<T>], h: T, v: T) -> T {
+    let u = Complex::new(v, T::one());
+    let zero = Complex::new(T::zero(), T::zero());
+    let mut integrals = vec![zero; poles.len()];
     scaled_exponential_integrals(u * h, &mut integrals);
-    let mut power = Complex::new(1.0, 0.0);
-    let mut sum = 0.0;
-    for (c, s) in poles.iter().zip(&integrals) {
+    let mut power = Complex::new(T::one(), T::zero());
+    let mut sum = T::zero();
+    for (&c, &s) in poles.iter().zip(&integrals) {
         sum += (c * power * s).re;
         power /= u;
     }
-    2.0 * sum
+    T::of(2.0) * sum
 }
 
 /// Legendre coefficients of the phase function itself (1/sr).
-fn phase_series(phase: &Phase<f64>, bands: usize) -> Vec<f64> {
+fn phase_series<T: Real>(phase: &Phase<T>, bands: usize) -> Vec<T> {
     let count = match phase {
         Phase::Isotropic => 1,
         Phase::Linear { .. } => 2,
@@ -110,7 +137,8 @@ fn phase_series(phase: &Phase<f64>, bands: usize) -> Vec<f64> {
         Phase::Legendre(a) => a.len().max(1),
         _ => bands,
     };
-    (0..count).map(|l| phase.moment(l) * (2 * l + 1) as f64 / (4.0 * std::f64::consts::PI)).collect()
+    let norm = |l: usize| T::of((2 * l + 1) as f64 * 0.25 * std::f64::consts::FRAC_1_PI);
+    (0..count).map(|l| phase.moment(l) * norm(l)).collect()
 }
 
 /// Legendre coefficients of the polynomial that the lamp is around `cos_axis`.
@@ -131,14 +159,16 @@ fn lamp_series(lamp: &Emitter<f64>, cos_axis: f64, bands: usize) -> Vec<f64> {
 }
 
 /// C_1 … C_N of Φ I/(v² + 1).
-fn principal_parts(sight: &Sight<f64>, phase: &[f64], lamp: &[f64]) -> Vec<Complex<f64>> {
+fn principal_parts<T: Real>(sight: &Sight<T>, phase: &[T], lamp: &[T]) -> Vec<Complex<T>> {
     let terms = phase.len() + lamp.len() - 1;
-    let i = Complex::<f64>::i();
-    let mut a = vec![i * 0.5];
-    (1..terms).for_each(|k| a.push(a[k - 1] * i * -0.5));
-    let below = |k: usize| if k == 0 { Complex::default() } else { a[k - 1] };
-    let cos_theta = Series { order: 1, terms: (0..terms).map(|k| 2.0 * a[k] - f64::from(u8::from(k == 1))).collect() };
-    let across = |k: usize| (below(k) - i * a[k]) * (2.0 * sight.axis_across);
+    let (zero, one, two) = (T::zero(), T::one(), T::of(2.0));
+    let i = Complex::new(zero, one);
+    let mut a = vec![i * T::of(0.5)];
+    (1..terms).for_each(|k| a.push(a[k - 1] * i * T::of(-0.5)));
+    let below = |k: usize| if k == 0 { Complex::new(zero, zero) } else { a[k - 1] };
+    let constant = |k: usize| if k == 1 { one } else { zero };
+    let cos_theta = Series { order: 1, terms: (0..terms).map(|k| a[k] * two - constant(k)).collect() };
+    let across = |k: usize| (below(k) - i * a[k]) * (two * sight.axis_across);
     let cos_axis =
         Series { order: 1, terms: (0..terms).map(|k| across(k) - cos_theta.terms[k] * sight.axis_along).collect() };
     let product = cos_theta.legendre(phase).times(&cos_axis.legendre(lamp)).times(&Series { order: 1, terms: a });
@@ -147,19 +177,26 @@ fn principal_parts(sight: &Sight<f64>, phase: &[f64], lamp: &[f64]) -> Vec<Compl
 
 /// Laurent series `Σ_j terms[j] u^{j − order}`, cut to a fixed number of terms.
 #[derive(Clone)]
-struct Series {
+struct Series<T> {
     order: usize,
-    terms: Vec<Complex<f64>>,
+    terms: Vec<Complex<T>>,
 }
 
-impl Series {
+impl<T: Real> Series<T> {
+    fn zero(order: usize, count: usize) -> Self {
+        Self { order, terms: vec![Complex::new(T::zero(), T::zero()); count] }
+    }
+
     fn times(&self, other: &Self) -> Self {
-        let term = |k: usize| (0..=k).map(|j| self.terms[j] * other.terms[k - j]).sum();
-        Self { order: self.order + other.order, terms: (0..self.terms.len()).map(term).collect() }
+        let mut product = Self::zero(self.order + other.order, self.terms.len());
+        for (k, term) in product.terms.iter_mut().enumerate() {
+            (0..=k).for_each(|j| *term += self.terms[j] * other.terms[k - j]);
+        }
+        product
     }
 
     /// `factor·self` added to a series of the same or higher order.
-    fn add_to(&self, sum: &mut Self, factor: f64) {
+    fn add_to(&self, sum: &mut Self, factor: T) {
         let shift = sum.order - self.order;
         for j in shift..sum.terms.len() {
             sum.terms[j] += self.terms[j - shift] * factor;
@@ -167,19 +204,17 @@ impl Series {
     }
 
     /// `Σ c_l P_l` of this series (of order 1), Bonnet's recurrence.
-    fn legendre(&self, coefficients: &[f64]) -> Self {
+    fn legendre(&self, coefficients: &[T]) -> Self {
         let count = self.terms.len();
-        let mut one = vec![Complex::default(); count];
-        one[0] = Complex::new(1.0, 0.0);
-        let zero = |order: usize| Self { order, terms: vec![Complex::default(); count] };
-        let (mut below, mut current) = (zero(0), Self { order: 0, terms: one });
-        let mut sum = zero(coefficients.len() - 1);
+        let (mut below, mut current) = (Self::zero(0, count), Self::zero(0, count));
+        current.terms[0] = Complex::new(T::one(), T::zero());
+        let mut sum = Self::zero(coefficients.len() - 1, count);
         for (l, &c) in coefficients.iter().enumerate() {
             current.add_to(&mut sum, c);
             let l = l as f64;
             let mut next = self.times(&current);
-            next.terms.iter_mut().for_each(|t| *t *= (2.0 * l + 1.0) / (l + 1.0));
-            below.add_to(&mut next, -l / (l + 1.0));
+            next.terms.iter_mut().for_each(|t| *t *= T::of((2.0 * l + 1.0) / (l + 1.0)));
+            below.add_to(&mut next, T::of(-l / (l + 1.0)));
             (below, current) = (current, next);
         }
         sum

@@ -10,6 +10,7 @@
 //! divided by f_0's two limits, 1/(H (1 + v²) + 1/acot v), over coordinates that undo its corners: sqrt(H)/(1 + sqrt(H)) (F has a
 //! u ln u term at 0) and 2ξ/π.
 
+use crate::Real;
 use crate::airlight::{Airlight, IsotropicLamp, Sight, UniformAir, sun};
 use crate::legendre;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -17,7 +18,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Air-light from a table.
 ///
 /// *Domain*: uniform air, isotropic lamp (by type); of the phase function the first `orders` Legendre terms.
-/// *Accuracy*: for tables of 64², 2e-4 on rays that pass the lamp; the two look-ups cancel on short segments, where 1e-1 is met. *Cost*: two bilinear look-ups an order, two exponentials, an arc tangent an end.
+/// *Accuracy*: for tables of 64², 2e-4 on rays that pass the lamp (f32 look-ups add 2e-6 of the first of the two); the two look-ups cancel on short segments, where 1e-1 is met. *Cost*: two bilinear look-ups an order, two exponentials, an arc tangent an end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lut {
     size: usize,
@@ -37,18 +38,20 @@ impl Lut {
         Self { size, values: values.collect() }
     }
 
-    /// f_l(H, v) by look-up.
-    pub fn tail(&self, l: usize, h: f64, v: f64) -> f64 {
-        let scale = (self.size - 1) as f64;
-        let cell = |x: f64| {
-            let at = (x * scale).clamp(0.0, scale);
-            let low = (at as usize).min(self.size - 2);
-            (low, at - low as f64)
-        };
-        let ((i, x), (j, y)) = (cell(place_of_h(h)), cell(place_of_v(v)));
-        let texel = |i: usize, j: usize| f64::from(self.values[l][j * self.size + i]);
+    /// f_l(H, v) by look-up, in f32 as a shader does it.
+    pub fn tail<T: Real>(&self, l: usize, h: T, v: T) -> T {
+        let ((i, x), (j, y)) = (self.cell(place_of_h(h)), self.cell(place_of_v(v)));
+        let texel = |i: usize, j: usize| T::of(f64::from(self.values[l][j * self.size + i]));
         let row = |j: usize| texel(i, j) + x * (texel(i + 1, j) - texel(i, j));
         (row(j) + y * (row(j + 1) - row(j))) * scale_of(h, v)
+    }
+
+    /// Texel at or below a place in [0, 1], and the share of the next.
+    fn cell<T: Real>(&self, place: T) -> (usize, T) {
+        let scale = T::of((self.size - 1) as f64);
+        let at = (place * scale).max(T::zero()).min(scale);
+        let low = at.to_usize().unwrap_or(0).min(self.size - 2);
+        (low, at - T::of(low as f64))
     }
 }
 
@@ -61,12 +64,17 @@ fn compute(l: usize, h: f64, v: f64) -> f64 {
     sun::scaled_integral(h, v, f64::INFINITY, |v| legendre::legendre(l, cos(v))) / scale_of(h, v)
 }
 
-fn scale_of(h: f64, v: f64) -> f64 {
-    1.0 / (h * (1.0 + v * v) + 1.0 / 1f64.atan2(v))
+/// 1/(h (1 + v²) + 1/acot v) without ∞ times 0.
+fn scale_of<T: Real>(h: T, v: T) -> T {
+    let angle = T::one().atan2(v);
+    if h == T::zero() || angle == T::zero() {
+        return angle;
+    }
+    (h * (T::one() + v * v) + angle.recip()).recip()
 }
 
-fn place_of_h(h: f64) -> f64 {
-    h.sqrt() / (1.0 + h.sqrt())
+fn place_of_h<T: Real>(h: T) -> T {
+    h.sqrt() / (T::one() + h.sqrt())
 }
 
 fn h_of(place: f64) -> f64 {
@@ -74,30 +82,32 @@ fn h_of(place: f64) -> f64 {
     root * root
 }
 
-fn place_of_v(v: f64) -> f64 {
-    v.atan() / FRAC_PI_2
+fn place_of_v<T: Real>(v: T) -> T {
+    v.atan() / T::FRAC_PI_2()
 }
 
 fn v_of(place: f64) -> f64 {
     if place == 1.0 { f64::INFINITY } else { (FRAC_PI_2 * place).tan() }
 }
 
-impl Airlight<f64, UniformAir<f64>, IsotropicLamp> for Lut {
-    fn radiance(&self, sight: &Sight<f64>, _: &IsotropicLamp, air: &UniformAir<f64>) -> f64 {
+impl<T: Real> Airlight<T, UniformAir<T>, IsotropicLamp> for Lut {
+    fn radiance(&self, sight: &Sight<T>, _: &IsotropicLamp, air: &UniformAir<T>) -> T {
         if sight.meets_lamp() {
-            return f64::INFINITY;
+            return T::infinity();
         }
+        let zero = T::zero();
         // The table's differences need some distance from the line; nearer, air-light grows as 1/h.
-        let height = sight.h.max(1e-6 * sight.eye_distance());
+        let height = sight.h.max(T::of(T::pick(1e-4, 1e-6)) * sight.eye_distance());
         let h = air.sigma_t * height;
         let va = sight.behind() / height;
-        let excess = sight.excess(sight.length.min(f64::MAX));
+        let excess = sight.excess(sight.length.min(T::max_value()));
         let (vb, fall) = (va + excess / height, (-air.sigma_t * excess).exp());
         let order = |l: usize| {
-            let a = air.phase.moment(l) * (2 * l + 1) as f64 / (4.0 * PI);
-            a * (self.tail(l, h, va) - if fall > 0.0 { fall * self.tail(l, h, vb) } else { 0.0 })
+            let a = air.phase.moment(l) * T::of((2 * l + 1) as f64 / (4.0 * PI));
+            a * (self.tail(l, h, va) - if fall > zero { fall * self.tail(l, h, vb) } else { zero })
         };
-        let sum: f64 = (0..self.values.len()).map(order).sum();
-        (2.0 * air.sigma_s / height * sum * (-air.sigma_t * sight.eye_distance()).exp()).max(0.0)
+        let sum = (0..self.values.len()).map(order).fold(zero, |sum, term| sum + term);
+        let value = T::of(2.0) * air.sigma_s / height * sum * (-air.sigma_t * sight.eye_distance()).exp();
+        if value < zero { zero } else { value }
     }
 }

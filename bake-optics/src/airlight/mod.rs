@@ -21,6 +21,7 @@
 //! lamps a radius and keep `h` at least that.
 
 mod air;
+mod borders;
 mod closed_form;
 mod lut;
 pub mod macklin;

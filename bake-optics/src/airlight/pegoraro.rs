@@ -2,6 +2,7 @@
 //!
 //! [`definite`] is what to use. [`eq29`] is the printed closed form (without its third line, which is identically zero for
 //! n < 2m), kept because it is a reference and because it fails instructively: in f64 it has no digits left for H > 2 or m ≥ 5.
+//! f64 only: in f32 the printed form has errors above 1 for all but isotropic thin air.
 
 use num_complex::Complex;
 
