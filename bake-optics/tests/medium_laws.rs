@@ -142,6 +142,24 @@ fn exponential_laws() {
     inverts::<f32>(&exponential_paths(), 8.0);
 }
 
+/// Far below the base in f32: e^{−n h} overflows where its product with a small length does not.
+#[test]
+fn exponential_density_overflows_no_earlier_than_the_depth() {
+    let (n, climb) = (8.0f32, Climb { height: -12.5, cos_theta: 0.5 });
+    let exact = Climb { height: -12.5, cos_theta: 0.5 };
+    let depth = exponential::optical_length(n, climb, 1e-8);
+    let want = exponential::optical_length(8.0, exact, 1e-8f64);
+    assert!((f64::from(depth) / want - 1.0).abs() < 2e-5, "{depth} {want}");
+    let back = exponential::free_path(n, climb, depth);
+    assert!((back / 1e-8 - 1.0).abs() < 2e-5, "{back}");
+    for cos_theta in [-0.5, 0.0, 0.5] {
+        let climb = Climb { cos_theta, ..climb };
+        assert_eq!(exponential::free_path(n, climb, f32::INFINITY), f32::INFINITY, "cos {cos_theta}");
+    }
+    let level = Climb { height: 1e4, cos_theta: 0.0 };
+    assert_eq!(exponential::optical_length(1.0, level, f64::INFINITY), f64::INFINITY);
+}
+
 #[test]
 fn planet_laws() {
     obeys_laws::<f64>(&planet_paths(), 1e-13);

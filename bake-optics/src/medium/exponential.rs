@@ -22,15 +22,20 @@ pub struct Climb<T> {
 pub fn optical_length<T: Real>(n: T, climb: Climb<T>, length: T) -> T {
     let decay = n * climb.cos_theta.abs();
     let effective = falling_length(decay, length);
-    if effective == T::zero() {
-        return T::zero();
+    if effective == T::zero() || effective == T::infinity() {
+        return effective;
     }
     let low = if climb.cos_theta < T::zero() && n > T::zero() {
         climb.height + climb.cos_theta * length
     } else {
         climb.height
     };
-    (-n * low).exp() * effective
+    let e = (-n * low).exp();
+    if e < T::infinity() {
+        return e * effective;
+    }
+    let half = (-n * low * T::of(0.5)).exp();
+    half * effective * half
 }
 
 /// `∫_0^length e^{−decay s} ds`, decay ≥ 0. The test is on the dimensionless product: a bound on decay alone has units.
@@ -48,10 +53,10 @@ pub fn free_path<T: Real>(n: T, climb: Climb<T>, target: T) -> T {
     let p = -n * climb.cos_theta;
     let rise = n * climb.height;
     let (half, e) = ((rise * T::of(0.5)).exp(), (-rise).exp());
-    // q/e in two factors: e^{rise} alone overflows before the product does.
-    let level = if e > T::min_positive_value() { target / e } else { target * half * half };
+    // q/e in two factors: e^{±rise} alone overflows before the product does.
+    let level = if e > T::min_positive_value() && e < T::infinity() { target / e } else { target * half * half };
     let y = p * level;
-    if y.abs() < T::epsilon() {
+    if p == T::zero() || y.abs() < T::epsilon() {
         level
     } else if y <= -T::one() {
         T::infinity()
