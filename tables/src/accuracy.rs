@@ -4,6 +4,7 @@
 use bake_formats::table_file::{TableFile, TableFileError};
 use bake_optics::phase::Phase;
 use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::axial::{self, HARMONICS};
 use crate::curves::{Curves, DistanceMap};
@@ -36,7 +37,7 @@ fn spread(recipe: &Recipe, count: usize, start: f64) -> Vec<f64> {
 fn measure_table(set: &TableSet, name: &str, distances: &[f64]) -> f64 {
     let recipe = set.recipe();
     let (bands, orders, albedo) = (recipe.bands, recipe.scatter_orders, recipe.all_orders_albedo);
-    let basis = PhaseBasis::Legendre(recipe.legendre_orders);
+    let basis = recipe.basis();
     let curves = set.table(name);
     let one = |compute: &(dyn Fn(f64) -> Vec<f64> + Sync), block: usize| worst(curves, distances, block, compute);
     let scaled = |values: Vec<f64>| values.into_iter().map(|v| albedo * v).collect::<Vec<_>>();
@@ -92,8 +93,10 @@ fn measure_area(set: &TableSet, distances: &[f64]) -> f64 {
     let phases = [Phase::Isotropic, Phase::HenyeyGreenstein { g: 0.5 }];
     let responses = phases.clone().map(|phase| set.area(&Air { albedo: 1.0, phase }, Scatter::Single));
     let basis = PhaseBasis::Functions(phases.to_vec());
+    // Tables about a fitted axis end at 90°.
+    let end = if set.recipe().layout.criterion().is_some() { FRAC_PI_2 } else { PI };
     let at = |(i, &d): (usize, &f64)| {
-        let theta = std::f64::consts::PI * (0.25 + 0.754_877_666_246_692_7 * i as f64).fract();
+        let theta = end * (0.25 + 0.754_877_666_246_692_7 * i as f64).fract();
         let want = area::compute_exact(d, theta, &basis, &HARMONICS, 40);
         let scale = (-d).exp() / d;
         let error = |response: &crate::AxialResponse, want: &[f64]| {

@@ -10,6 +10,7 @@ pub mod axial;
 pub mod curves;
 pub mod directional;
 pub mod drawing;
+pub mod fitted;
 pub mod geometry;
 pub mod point;
 pub mod recipe;

@@ -2,18 +2,34 @@
 
 use crate::area::AngleGrid;
 use crate::curves::Grid;
-use crate::transport::phase_basis::LEGENDRE_ORDERS;
+use crate::fitted::{self, Criterion};
+use crate::remap::Air;
+use crate::transport::phase_basis::{LEGENDRE_ORDERS, PhaseBasis};
 use bake_formats::table_file::Precision;
 use serde::{Deserialize, Serialize};
 
 /// How the light of an area is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum Layout {
     /// Mirror-symmetric SH, one table per Legendre order of the phase function.
     Harmonic,
-    /// As published in 2019: zonal harmonics about a fitted axis, 8 angles, three tables g = −0.5, 0, 0.5.
+    /// Once-scattered light as published in 2019: areas in zonal harmonics about a fitted axis at 8 angles, and three tables
+    /// g = −0.5, 0, 0.5 of every emitter. Higher orders as in the other layout.
     Paper,
+    /// The same with the axis fitted to irradiance, not to radiance.
+    PaperIrradiance,
+}
+
+impl Layout {
+    /// What the axis is fitted to, in the layouts that have one.
+    pub fn criterion(self) -> Option<Criterion> {
+        match self {
+            Self::Harmonic => None,
+            Self::Paper => Some(Criterion::Radiance),
+            Self::PaperIrradiance => Some(Criterion::Irradiance),
+        }
+    }
 }
 
 /// All parameters of a table file.
@@ -26,7 +42,7 @@ pub struct Recipe {
     pub grid: Grid,
     /// Nodes over the same distances when read: stored curves are refined by a cubic to so many.
     pub read_bins: usize,
-    /// Emitter angles stored.
+    /// Emitter angles stored (the published layout has its own 8).
     pub angles: AngleGrid,
     /// Angle nodes when read.
     pub read_angles: usize,
@@ -60,6 +76,22 @@ impl Default for Recipe {
 }
 
 impl Recipe {
+    /// The functions of the deflection for which order-1 tables are made.
+    pub fn basis(&self) -> PhaseBasis {
+        match self.layout.criterion() {
+            None => PhaseBasis::Legendre(self.legendre_orders),
+            Some(_) => fitted::basis(),
+        }
+    }
+
+    /// Weights of these functions for a medium.
+    pub fn weights(&self, air: &Air) -> Vec<f64> {
+        match self.layout.criterion() {
+            None => air.legendre_weights(self.legendre_orders),
+            Some(_) => fitted::weights(air.phase.moment(1)).map(|w| air.albedo * w).to_vec(),
+        }
+    }
+
     /// The grid that is read.
     pub fn read_grid(&self) -> Grid {
         Grid { bins: self.read_bins, ..self.grid }

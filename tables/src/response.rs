@@ -9,7 +9,7 @@ use crate::geometry::Geometry;
 use wide::f32x4;
 
 /// Degrees whose clamped-cosine coefficient does not vanish, up to 11 bands (and one empty place).
-const IRRADIANCE_DEGREES: [usize; 8] = [0, 1, 2, 4, 6, 8, 10, 12];
+pub(crate) const IRRADIANCE_DEGREES: [usize; 8] = [0, 1, 2, 4, 6, 8, 10, 12];
 
 /// Response to an emitter that is symmetric about the line to the receiver: point light, directional light.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,7 +75,7 @@ impl ZonalResponse {
 
 /// P_l(c) for [`IRRADIANCE_DEGREES`]; 0 in the empty place.
 #[inline]
-fn even_legendre(c: f32) -> [f32; 8] {
+pub(crate) fn even_legendre(c: f32) -> [f32; 8] {
     let s = c * c;
     [
         1.0,

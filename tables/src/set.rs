@@ -9,6 +9,7 @@ use bake_optics::phase::Phase;
 
 use crate::axial::{ALL_DEGREES, HARMONIC_COUNT, HARMONICS};
 use crate::curves::{Curves, Grid, Shape};
+use crate::fitted::FittedResponse;
 use crate::recipe::Recipe;
 use crate::remap::Air;
 use crate::resample;
@@ -17,12 +18,12 @@ use crate::transport::harmonics::stripped_legendre;
 use crate::transport::phase_basis::PhaseBasis;
 use crate::transport::slab::SlabSource;
 use crate::transport::sources::{EMITTER_DEGREES, Source};
-use crate::{accuracy, area, axial, directional, point};
+use crate::{accuracy, area, axial, directional, fitted, point};
 
 /// Moments beyond the tables above this, |g|^20 at g = 0.8, ask for a table of the actual phase function.
 const LEFT_OUT_MOMENT: f64 = 0.012;
 
-/// The tables that every file of the harmonic layout holds, in file order.
+/// The tables that every file holds, in file order.
 pub const NAMES: [&str; 9] = [
     "point.single",
     "point.orders",
@@ -60,7 +61,7 @@ pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
 /// The tables of a recipe as computed, on the stored grid, in the order of [`NAMES`]. Deterministic.
 pub fn compute_tables(recipe: &Recipe, progress: Progress) -> Vec<Curves> {
     let Recipe { grid, bands, scatter_orders, all_orders_albedo: albedo, .. } = *recipe;
-    let basis = PhaseBasis::Legendre(recipe.legendre_orders);
+    let basis = recipe.basis();
     progress(0.0, "sources");
     let sources: Vec<Source> = (1..scatter_orders).map(Source::order).collect();
     let all = Source::all(albedo);
@@ -83,7 +84,10 @@ pub fn compute_tables(recipe: &Recipe, progress: Progress) -> Vec<Curves> {
     tables.push(side_by_side(&slab_orders));
     tables.push(directional::store_multiple(grid, all_slab, &slab_all, albedo, bands));
     progress(0.55, "area");
-    tables.push(area::store_single(grid, recipe.angles, &basis));
+    tables.push(match recipe.layout.criterion() {
+        None => area::store_single(grid, recipe.angles, &basis),
+        Some(criterion) => fitted::store_single(grid, criterion),
+    });
     progress(0.75, "axial");
     tables.push(axial::store_multiple(grid, Shape::POINT_MULTIPLE, &sources, 1.0));
     tables.push(axial::store_multiple(grid, all_point, &[all], albedo));
@@ -172,7 +176,7 @@ impl TableSet {
         })
     }
 
-    /// From a file of the harmonic layout.
+    /// From a file.
     pub fn from_file(file: &TableFile) -> Result<Self, TableFileError> {
         let fault = |field: &str, problem: String| TableFileError::Inconsistent {
             origin: "table file".to_owned(),
@@ -218,7 +222,7 @@ impl TableSet {
         match scatter {
             Scatter::Single => match self.own_basis(&air.phase) {
                 Some(basis) => self.zonal(&point::store_single(self.grid(), &basis, self.recipe.bands), &[albedo]),
-                None => self.zonal(self.table("point.single"), &air.legendre_weights(self.recipe.legendre_orders)),
+                None => self.zonal(self.table("point.single"), &self.recipe.weights(air)),
             },
             Scatter::Multiple(up_to) => self.zonal(self.table("point.orders"), &self.order_weights(albedo, up_to)),
             Scatter::AllMultiple if self.stored_all(albedo) => self.zonal(self.table("point.all"), &[1.0]),
@@ -238,9 +242,7 @@ impl TableSet {
                 Some(basis) => {
                     self.zonal(&directional::store_single(self.grid(), &basis, self.recipe.bands), &[albedo])
                 }
-                None => {
-                    self.zonal(self.table("directional.single"), &air.legendre_weights(self.recipe.legendre_orders))
-                }
+                None => self.zonal(self.table("directional.single"), &self.recipe.weights(air)),
             },
             Scatter::Multiple(up_to) => {
                 self.zonal(self.table("directional.orders"), &self.order_weights(albedo, up_to))
@@ -257,14 +259,29 @@ impl TableSet {
     /// Response of a medium to a small Lambertian surface element.
     pub fn area(&self, air: &Air, scatter: Scatter) -> AxialResponse {
         match scatter {
+            Scatter::Single if self.recipe.layout.criterion().is_some() => self.area_from_fitted(air),
             Scatter::Single => match self.own_basis(&air.phase) {
                 Some(basis) => {
                     self.area_single(&area::store_single(self.grid(), self.recipe.angles, &basis), &[air.albedo])
                 }
-                None => self.area_single(self.table("area.single"), &air.legendre_weights(self.recipe.legendre_orders)),
+                None => self.area_single(self.table("area.single"), &self.recipe.weights(air)),
             },
             _ => self.axial(&cosine_legendre(), air, scatter),
         }
+    }
+
+    /// Response of a medium to a small Lambertian surface element, light scattered once, about a fitted axis; `None` unless the
+    /// layout is one of those.
+    pub fn fitted_area(&self, air: &Air) -> Option<FittedResponse> {
+        self.recipe.layout.criterion()?;
+        let (curves, weights) = (self.table("area.single"), self.recipe.weights(air));
+        let rows = weighted_rows(curves, &weights, fitted::ANGLES * fitted::COLUMNS);
+        // The tilt takes the weights of the phase function only.
+        let rows = rows.map(|mut row| {
+            row.chunks_exact_mut(fitted::COLUMNS).for_each(|node| node[fitted::BANDS] /= air.albedo.max(1e-30));
+            row
+        });
+        Some(FittedResponse::new(&curves.grid, curves.shape, rows))
     }
 
     /// Response of a medium to an emitter whose intensity is `Σ c_l P_l(cos)` about its axis, l ≤ 16, light scattered twice or more.
@@ -301,6 +318,9 @@ impl TableSet {
 
     /// The actual phase function where its Legendre orders in the tables do not suffice.
     fn own_basis(&self, phase: &Phase<f64>) -> Option<PhaseBasis> {
+        if self.recipe.layout.criterion().is_some() {
+            return None;
+        }
         let beyond = (self.recipe.legendre_orders..self.recipe.legendre_orders + 24)
             .any(|l| phase.moment(l).abs() > LEFT_OUT_MOMENT);
         beyond.then(|| PhaseBasis::Functions(vec![phase.clone()]))
@@ -321,6 +341,20 @@ impl TableSet {
             resample::angles(&nodes, (0..read.nodes).map(|i| stored.index(read.cosine(i as f64))))
         });
         AxialResponse::new(&curves.grid, curves.shape, read.nodes, rows.map(|v| padded(&v)).collect())
+    }
+
+    /// The fitted functions as mirror-symmetric harmonics, so that a bake can be made with either layout.
+    fn area_from_fitted(&self, air: &Air) -> AxialResponse {
+        let (curves, weights) = (self.table("area.single"), self.recipe.weights(&Air { albedo: 1.0, ..air.clone() }));
+        let read = area::AngleGrid { nodes: self.recipe.read_angles };
+        let rows = weighted_rows(curves, &weights, fitted::ANGLES * fitted::COLUMNS).flat_map(|row| {
+            let at_node = |i: usize| match read.cosine(i as f64) {
+                cos if cos < 0.0 => [0.0; 12],
+                cos => padded(&fitted::stripped(&row, cos.min(1.0).acos()).map(|c| air.albedo * c)),
+            };
+            (0..read.nodes).map(at_node).collect::<Vec<_>>()
+        });
+        AxialResponse::new(&curves.grid, curves.shape, read.nodes, rows.collect())
     }
 
     fn axial_of(&self, curves: &Curves, weights: &[f64], legendre: &[f64]) -> AxialResponse {
@@ -383,7 +417,7 @@ fn weighted_rows<'a>(curves: &'a Curves, weights: &'a [f64], width: usize) -> im
 
 /// Columns of each of [`NAMES`].
 fn column_counts(recipe: &Recipe) -> [usize; 9] {
-    let (bands, legendre, higher) = (recipe.bands, recipe.legendre_orders, recipe.scatter_orders - 1);
+    let (bands, legendre, higher) = (recipe.bands, recipe.basis().len(), recipe.scatter_orders - 1);
     let curves = axial::curves(&ALL_DEGREES).len();
     [
         bands * legendre,
@@ -392,7 +426,10 @@ fn column_counts(recipe: &Recipe) -> [usize; 9] {
         bands * legendre,
         bands * higher,
         bands,
-        recipe.angles.nodes * HARMONIC_COUNT * legendre,
+        match recipe.layout.criterion() {
+            None => recipe.angles.nodes * HARMONIC_COUNT * legendre,
+            Some(_) => fitted::ANGLES * fitted::COLUMNS * legendre,
+        },
         curves * higher,
         curves,
     ]

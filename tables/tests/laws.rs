@@ -1,16 +1,15 @@
-//! The convention of the sigma ratio, limits outside the grid, exact integrals over a plane, convergence, an independent
-//! Monte Carlo.
+//! The convention of the sigma ratio, limits outside the grid, exact integrals over a plane, convergence, phase functions
+//! beyond the tables.
 
 use bake_optics::phase::Phase;
 use glam::Vec3;
-use rand::rngs::SmallRng;
-use rand::{RngExt, SeedableRng};
 use std::f64::consts::PI;
 use tables::transport::phase_basis::PhaseBasis;
+use tables::transport::slab::SlabSource;
 use tables::transport::sources::Source;
-use tables::{Air, AxialRgb, Geometry, Scatter, TableSet, point};
+use tables::{Air, AxialRgb, Geometry, Scatter, TableSet, area, axial, directional, point};
 use testkit::compare::Worst;
-use testkit::statistics::{mean_and_error, slope};
+use testkit::statistics::slope;
 
 /// Physical quadrature of once-scattered fluence from a point light in a medium of any sigma_t, written without optical
 /// distances: `∫ dω ∫ σ_s/(4π) e^{−σ(t+r)}/r² dt`, in prolate coordinates `t + r = d p`, `t − r = d q`:
@@ -159,95 +158,97 @@ fn three_channels_at_once_equal_three_single_look_ups() {
     worst.check();
 }
 
-/// Moment `∫ L P_l dω` (l = 0, 1) of light from a lamp at distance d scattered `orders` ≤ 2 times, by random paths backwards from
-/// the receiver: directions uniform in the angle from the axis, last leg equi-angular. Shares nothing with the tables.
-fn monte_carlo(
-    sigma_t: f64,
-    albedo: f64,
-    phase: &Phase<f64>,
-    d: f64,
-    lamp: impl Fn(f64) -> f64,
-    order: usize,
-    seed: u64,
-) -> [(f64, f64); 2] {
-    let mut random = SmallRng::seed_from_u64(seed);
-    let count = 60_000;
-    let mut moments = [Vec::with_capacity(count), Vec::with_capacity(count)];
-    for _ in 0..count {
-        let (gamma, phi) = (PI * random.random::<f64>(), 2.0 * PI * random.random::<f64>());
-        let first = glam::DVec3::new(gamma.sin() * phi.cos(), gamma.sin() * phi.sin(), gamma.cos());
-        let mut weight = 2.0 * PI * PI * gamma.sin();
-        let (mut position, mut direction) = (glam::DVec3::ZERO, first);
-        let source = glam::DVec3::Z * d;
-        if order == 2 {
-            let t = -(1.0 - random.random::<f64>()).ln() / sigma_t;
-            position += direction * t;
-            // The second direction is uniform in the angle from the line to the lamp.
-            let axis = (source - position).normalize();
-            let (angle, turn) = (PI * random.random::<f64>(), 2.0 * PI * random.random::<f64>());
-            let (u, v) = axis.any_orthonormal_pair();
-            let next = axis * angle.cos() + (u * turn.cos() + v * turn.sin()) * angle.sin();
-            weight *= albedo * phase.eval(direction.dot(next)) * 2.0 * PI * PI * angle.sin();
-            direction = next;
-        }
-        // Equi-angular along the ray (Kulla & Fajardo 2012), to infinity.
-        let along = (source - position).dot(direction);
-        let height = ((source - position) - direction * along).length();
-        let (low, high) = ((-along / height).atan(), 0.5 * PI);
-        let t = along + height * (low + (high - low) * random.random::<f64>()).tan();
-        let place = position + direction * t;
-        let to_lamp = source - place;
-        let r = to_lamp.length();
-        // 1/(pdf r²) = (high − low)/height.
-        weight *= (high - low) / height
-            * albedo
-            * sigma_t
-            * phase.eval(direction.dot(to_lamp) / r)
-            * (-sigma_t * (t + r)).exp();
-        // The lamp's axis points down to the receiver.
-        weight *= lamp(to_lamp.z / r);
-        let value = if weight.is_finite() { weight } else { 0.0 };
-        moments[0].push(value);
-        moments[1].push(value * first.z);
-    }
-    [mean_and_error(&moments[0]), mean_and_error(&moments[1])]
-}
-
-/// Point light and an area that faces the receiver, in two media.
 #[test]
-fn an_independent_monte_carlo_agrees() {
+fn outside_the_grid_area_and_directional_light_follow_direct_evaluation() {
     let set = TableSet::embedded();
-    let mut worst = Worst::new("tables against Monte Carlo, in standard errors", 4.0);
-    let media = [(1.0, 1.0, Phase::Isotropic, 2), (2.5, 0.6, Phase::HenyeyGreenstein { g: 0.5 }, 1)];
-    for (sigma_t, albedo, phase, orders) in media {
-        for order in 1..=orders {
-            let air = Air { albedo, phase: phase.clone() };
-            let scatter = if order == 1 { Scatter::Single } else { Scatter::Multiple(2) };
-            let d = 0.8;
-            let mut c = [0.0f32; 11];
-            set.point(&air, scatter).coefficients(sigma_t as f32, d as f32, &mut c);
-            let facing = set.area(&air, scatter).coefficients(sigma_t as f32, d as f32, 1.0);
-            let away = set.area(&air, scatter).coefficients(sigma_t as f32, d as f32, -1.0);
-            for (name, coefficients, lamp) in [
-                ("point", [c[0], c[1]], (|_| 1.0) as fn(f64) -> f64),
-                ("area", [facing[0], facing[1]], |cos| cos.max(0.0)),
-                ("area facing away", [away[0], away[1]], |cos| (-cos).max(0.0)),
-            ] {
-                let truth = monte_carlo(sigma_t, albedo, &phase, d, lamp, order, 7);
-                for (l, (mean, error)) in truth.into_iter().enumerate() {
-                    let got = f64::from(coefficients[l]) / ((2 * l + 1) as f64 / (4.0 * PI)).sqrt();
-                    // The look-up's own 0.3 % of l = 0 is allowed beside the noise.
-                    let allowed = error + 0.003 / 4.0 * truth_scale(&coefficients);
-                    println!("{name} sigma {sigma_t} order {order} l {l}: {got:.5} Monte Carlo {mean:.5} ± {error:.5}");
-                    worst
-                        .record((got - mean).abs() / allowed, || format!("{name} sigma {sigma_t} order {order} l {l}"));
-                }
+    let (air, basis) = (Air::isotropic(1.0), PhaseBasis::Legendre(1));
+    let mut worst = Worst::new("area and directional light outside the grid, of the total", 1e-2);
+    let (first, second) = (set.area(&air, Scatter::Single), set.area(&air, Scatter::Multiple(2)));
+    let sources = [Source::order(1)];
+    let slab = SlabSource::order(None);
+    let sun = [Scatter::Single, Scatter::Multiple(2)].map(|scatter| set.directional(&air, scatter));
+    for d in [1e-6f64, 1e-4, 9.9e-4] {
+        for theta in [0.0f64, 1.2, PI] {
+            let one = &area::compute_exact(d, theta, &basis, &axial::HARMONICS, 64)[0];
+            let two = facing_moments(&axial::compute_multiple(d, &sources)[0], theta);
+            let got: Vec<f32> = [&first, &second]
+                .map(|response| response.coefficients(1.0, d as f32, theta.cos() as f32))
+                .into_iter()
+                .reduce(|a, b| std::array::from_fn(|h| a[h] + b[h]))
+                .map_or(Vec::new(), |sum| sum.to_vec());
+            // (0,0) and (1,0).
+            for h in 0..2 {
+                let error = f64::from(got[h]) * d * d.exp() - (one[h] + two[h]);
+                worst.record(error.abs() / (one[0] + two[0]), || format!("area d {d} theta {theta} h {h}"));
             }
         }
+        let mut got = [[0.0f32; 11]; 2];
+        sun.iter().zip(&mut got).for_each(|(response, got)| response.coefficients(1.0, d as f32, got));
+        let (one, two) = (&directional::compute_single(d, &basis, 11)[0], directional::compute_multiple(d, &slab, 11));
+        for l in 0..11 {
+            let error = f64::from(got[0][l] + got[1][l]) * d.exp() - (one[l] + two[l]);
+            worst.record(error.abs() / (one[0] + two[0]), || format!("directional d {d} l {l}"));
+        }
+    }
+    let (all, slab) = (Source::all(1.0), SlabSource::all(1.0));
+    let (area, sun) = (set.area(&air, Scatter::AllMultiple), set.directional(&air, Scatter::AllMultiple));
+    for d in [55.0f64, 120.0, 300.0] {
+        let want = facing_moments(&axial::compute_multiple(d, std::slice::from_ref(&all))[0], 0.6)[0] / d;
+        let got = area.coefficients(1.0, d as f32, 0.6f32.cos())[0];
+        worst.relative(f64::from(got), want, || format!("area, all orders, d {d}"));
+        let mut c = [0.0f32; 11];
+        sun.coefficients(1.0, d as f32, &mut c);
+        let want = directional::compute_multiple(d, &slab, 1)[0];
+        worst.relative(f64::from(c[0]), want, || format!("directional, all orders, d {d}"));
     }
     worst.check();
 }
 
-fn truth_scale(coefficients: &[f32; 2]) -> f64 {
-    f64::from(coefficients[0]) * (4.0 * PI).sqrt()
+/// The (0,0) and (1,0) coefficients of a Lambertian element at angle θ from its separated curves.
+fn facing_moments(curves: &[f64], theta: f64) -> [f64; 2] {
+    let cosine = tables::set::cosine_legendre();
+    let mut p = [0.0; 17];
+    bake_optics::legendre::legendre_all(theta.cos(), &mut p);
+    let mut sum = [0.0; 2];
+    for (&(h, degree), g) in axial::curves(&axial::ALL_DEGREES).iter().zip(curves) {
+        if h < 2 {
+            sum[h] += cosine[degree] * p[degree] * g;
+        }
+    }
+    sum
+}
+
+/// Above |g| = 0.8 the Legendre orders in the tables do not suffice: the actual phase function is used.
+#[test]
+fn strong_phase_functions_get_tables_of_their_own() {
+    let set = TableSet::embedded();
+    let mut worst = Worst::new("order 1 at |g| > 0.8, of l = 0 at that angle", 3e-3);
+    let mut control = 0.0f64;
+    for g in [0.9, -0.85] {
+        let air = Air { albedo: 0.7, phase: Phase::HenyeyGreenstein { g } };
+        let basis = PhaseBasis::Functions(vec![air.phase.clone()]);
+        let (point, surface) = (set.point(&air, Scatter::Single), set.area(&air, Scatter::Single));
+        for d in [0.05f64, 0.8, 4.0] {
+            let (want, mut got) = (&point::compute_single(d, &basis, 11)[0], [0.0f32; 11]);
+            point.coefficients(1.0, d as f32, &mut got);
+            for l in 0..11 {
+                let error = f64::from(got[l]) / 0.7 * d * d.exp() - want[l];
+                worst.record(error.abs() / want[0], || format!("point g {g} d {d} l {l}"));
+            }
+            // A light that is seen from its back, where the series fails first.
+            let theta = 2.6f64;
+            let want = &area::compute_exact(d, theta, &basis, &axial::HARMONICS, 96)[0];
+            let got = surface.coefficients(1.0, d as f32, theta.cos() as f32);
+            for (h, &(_, m)) in axial::HARMONICS.iter().enumerate() {
+                let error = f64::from(got[h]) / 0.7 * theta.sin().powi(m as i32) * d * d.exp() - want[h];
+                worst.record(error.abs() / want[0], || format!("area g {g} d {d} h {h}"));
+            }
+            // Negative control: the twenty stored orders alone.
+            let series = area::compute_exact(d, theta, &PhaseBasis::Legendre(20), &[(0, 0)], 96);
+            let sum: f64 = series.iter().zip(air.legendre_weights(20)).map(|(s, w)| s[0] * w / 0.7).sum();
+            control = control.max((sum / want[0] - 1.0).abs());
+        }
+    }
+    worst.check();
+    assert!(control > 0.05, "twenty orders must not suffice: {control}");
 }

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use ::tables::accuracy;
 use ::tables::curves::Grid;
 use ::tables::set::{self, NAMES};
-use ::tables::{Recipe, TableSet, drawing};
+use ::tables::{Layout, Recipe, TableSet, drawing};
 use bake_core::progress::Progress as _;
 use bake_formats::table_file::{Precision, TableFile};
 
@@ -55,6 +55,9 @@ struct Generate {
     /// Scattering orders with a table each
     #[arg(long, default_value_t = Recipe::default().scatter_orders)]
     scatter_orders: usize,
+    /// How light that a surface sends is held
+    #[arg(long, value_enum, default_value_t = Held::Harmonic)]
+    layout: Held,
     /// Storage of the large tables
     #[arg(long, value_enum, default_value_t = Stored::F16)]
     precision: Stored,
@@ -67,6 +70,17 @@ enum Stored {
     F16,
     /// 32 bits
     F32,
+}
+
+/// Layout on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Held {
+    /// Mirror-symmetric harmonics
+    Harmonic,
+    /// As published in 2019: zonal harmonics about an axis fitted to radiance
+    Paper,
+    /// The same with the axis fitted to irradiance
+    PaperIrradiance,
 }
 
 /// Flags of `bake tables inspect`.
@@ -106,6 +120,11 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
 
 fn generate(args: &Generate, global: &Global) -> Result<Outcome, Failure> {
     let recipe = Recipe {
+        layout: match args.layout {
+            Held::Harmonic => Layout::Harmonic,
+            Held::Paper => Layout::Paper,
+            Held::PaperIrradiance => Layout::PaperIrradiance,
+        },
         grid: Grid { min: args.min, max: args.max, bins: args.bins },
         bands: args.bands,
         scatter_orders: args.scatter_orders,

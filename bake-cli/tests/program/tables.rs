@@ -28,6 +28,17 @@ fn a_file_is_made_shown_and_checked_whatever_the_thread_count() {
 }
 
 #[test]
+fn the_published_layout_is_made_and_checked_too() {
+    let desk = Desk::new();
+    desk.bake(&format!("{SMALL} --layout paper -o paper.tables")).expect(0, &[]);
+    let shown = desk.bake("tables inspect paper.tables");
+    let manifest: serde_json::Value = serde_json::from_str(&shown.out).expect("JSON on standard output");
+    assert_eq!(manifest["recipe"]["layout"], "paper");
+    desk.bake("tables verify paper.tables --samples 2").expect(0, &[]);
+    desk.bake(&format!("{SMALL} --layout papre")).expect(2, &["papre", "paper-irradiance"]);
+}
+
+#[test]
 fn the_tables_of_the_program_hold_what_they_state() {
     let ended = Desk::new().bake("tables verify --samples 1");
     assert_eq!(ended.code, Some(0), "{}{}", ended.out, ended.err);

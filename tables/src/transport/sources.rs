@@ -85,3 +85,44 @@ pub fn zonal_moments(d: f64, rate: f64, q: impl Fn(f64) -> f64, bands: usize) ->
     }
     sums
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bake_optics::quadrature::GaussLegendre;
+    use std::f64::consts::PI;
+    use testkit::{compare::Worst, reference};
+
+    /// Radiance scattered exactly `order` times at angle γ from the light: the source along the ray,
+    /// `L = ∫ e^{−t} φ(r)/(4π) dt` with `r = h cosh w`, `t = d cos γ + h sinh w`, h = d sin γ.
+    fn radiance(d: f64, gamma: f64, q: impl Fn(f64) -> f64) -> f64 {
+        let (h, along) = (d * gamma.sin(), d * gamma.cos());
+        let (start, end) = (-(along / h).asinh(), (40.0 / h).asinh());
+        let middle = start.max(0.0) + 2.0;
+        let rule = GaussLegendre::<f64>::new(96);
+        let value = |w: f64| {
+            let (r, t) = (h * w.cosh(), along + h * w.sinh());
+            (-t - r).exp() * q(r) / (4.0 * PI * r)
+        };
+        rule.integrate(start, middle, value) + rule.integrate(middle, end.max(middle), value)
+    }
+
+    #[test]
+    fn the_reference_radiances_are_met() {
+        let Some(path) = reference::shared("reference/radiance_k.csv") else { return };
+        let sources: Vec<_> = (1..10).map(Source::order).collect();
+        let mut worst = Worst::new("radiance_k.csv, relative", 1e-6);
+        for row in reference::read_csv(&path) {
+            let (d, gamma, k) = (row.number("d"), row.number("gamma_rad"), row.number("k") as usize);
+            if k == 0 || k > 10 {
+                continue;
+            }
+            let q = |r: f64| if k == 1 { 1.0 } else { sources[k - 2].moments.eval(r) };
+            worst.relative(radiance(d, gamma, q), row.number("L_k"), || format!("d {d} gamma {gamma} k {k}"));
+        }
+        worst.check();
+        // Negative control: the source of the collision before.
+        let (right, wrong) = (|r: f64| sources[1].moments.eval(r), |r: f64| sources[0].moments.eval(r));
+        assert!((radiance(1.0, 0.5, wrong) / radiance(1.0, 0.5, right) - 1.0).abs() > 0.1);
+    }
+}

@@ -1,0 +1,194 @@
+//! Every emitter against random walks that share nothing with the tables, in two media.
+
+use bake_optics::phase::Phase;
+use rand::rngs::SmallRng;
+use rand::{RngExt, SeedableRng};
+use std::f64::consts::PI;
+use tables::{Air, Scatter, TableSet};
+use testkit::compare::Worst;
+use testkit::statistics::mean_and_error;
+
+/// Paths of one estimate.
+fn paths() -> usize {
+    if std::env::var_os("BAKE_LONG").is_some() { 2_000_000 } else { 60_000 }
+}
+
+/// Moment `∫ L P_l dω` (l = 0, 1) of light from a lamp at distance d scattered `orders` ≤ 2 times, by random paths backwards from
+/// the receiver: directions uniform in the angle from the axis, last leg equi-angular. Shares nothing with the tables.
+fn monte_carlo(
+    sigma_t: f64,
+    albedo: f64,
+    phase: &Phase<f64>,
+    d: f64,
+    lamp: impl Fn(f64) -> f64,
+    order: usize,
+    seed: u64,
+) -> [(f64, f64); 2] {
+    let mut random = SmallRng::seed_from_u64(seed);
+    let count = paths();
+    let mut moments = [Vec::with_capacity(count), Vec::with_capacity(count)];
+    for _ in 0..count {
+        let (gamma, phi) = (PI * random.random::<f64>(), 2.0 * PI * random.random::<f64>());
+        let first = glam::DVec3::new(gamma.sin() * phi.cos(), gamma.sin() * phi.sin(), gamma.cos());
+        let mut weight = 2.0 * PI * PI * gamma.sin();
+        let (mut position, mut direction) = (glam::DVec3::ZERO, first);
+        let source = glam::DVec3::Z * d;
+        if order == 2 {
+            let t = -(1.0 - random.random::<f64>()).ln() / sigma_t;
+            position += direction * t;
+            // The second direction is uniform in the angle from the line to the lamp.
+            let axis = (source - position).normalize();
+            let (angle, turn) = (PI * random.random::<f64>(), 2.0 * PI * random.random::<f64>());
+            let (u, v) = axis.any_orthonormal_pair();
+            let next = axis * angle.cos() + (u * turn.cos() + v * turn.sin()) * angle.sin();
+            weight *= albedo * phase.eval(direction.dot(next)) * 2.0 * PI * PI * angle.sin();
+            direction = next;
+        }
+        // Equi-angular along the ray (Kulla & Fajardo 2012), to infinity.
+        let along = (source - position).dot(direction);
+        let height = ((source - position) - direction * along).length();
+        let (low, high) = ((-along / height).atan(), 0.5 * PI);
+        let t = along + height * (low + (high - low) * random.random::<f64>()).tan();
+        let place = position + direction * t;
+        let to_lamp = source - place;
+        let r = to_lamp.length();
+        // 1/(pdf r²) = (high − low)/height.
+        weight *= (high - low) / height
+            * albedo
+            * sigma_t
+            * phase.eval(direction.dot(to_lamp) / r)
+            * (-sigma_t * (t + r)).exp();
+        // The lamp's axis points down to the receiver.
+        weight *= lamp(to_lamp.z / r);
+        let value = if weight.is_finite() { weight } else { 0.0 };
+        moments[0].push(value);
+        moments[1].push(value * first.z);
+    }
+    [mean_and_error(&moments[0]), mean_and_error(&moments[1])]
+}
+
+/// Point light and an area that faces the receiver, in two media.
+#[test]
+fn an_independent_monte_carlo_agrees() {
+    let set = TableSet::embedded();
+    let mut worst = Worst::new("tables against Monte Carlo, in standard errors", 4.0);
+    let media = [
+        (1.0, 1.0, Phase::Isotropic, vec![1, 2]),
+        (2.5, 0.6, Phase::HenyeyGreenstein { g: 0.5 }, vec![1]),
+        (2.5, 0.6, Phase::Isotropic, vec![2]),
+    ];
+    for (sigma_t, albedo, phase, orders) in media {
+        for order in orders {
+            let air = Air { albedo, phase: phase.clone() };
+            let scatter = if order == 1 { Scatter::Single } else { Scatter::Multiple(2) };
+            let d = 0.8;
+            let mut c = [0.0f32; 11];
+            set.point(&air, scatter).coefficients(sigma_t as f32, d as f32, &mut c);
+            let facing = set.area(&air, scatter).coefficients(sigma_t as f32, d as f32, 1.0);
+            let away = set.area(&air, scatter).coefficients(sigma_t as f32, d as f32, -1.0);
+            for (name, coefficients, lamp) in [
+                ("point", [c[0], c[1]], (|_| 1.0) as fn(f64) -> f64),
+                ("area", [facing[0], facing[1]], |cos| cos.max(0.0)),
+                ("area facing away", [away[0], away[1]], |cos| (-cos).max(0.0)),
+            ] {
+                let truth = monte_carlo(sigma_t, albedo, &phase, d, lamp, order, 7);
+                for (l, (mean, error)) in truth.into_iter().enumerate() {
+                    let got = f64::from(coefficients[l]) / ((2 * l + 1) as f64 / (4.0 * PI)).sqrt();
+                    // The look-up's own 0.3 % of l = 0 is allowed beside the noise.
+                    let allowed = error + 0.003 / 4.0 * truth_scale(&coefficients);
+                    println!("{name} sigma {sigma_t} order {order} l {l}: {got:.5} Monte Carlo {mean:.5} ± {error:.5}");
+                    worst
+                        .record((got - mean).abs() / allowed, || format!("{name} sigma {sigma_t} order {order} l {l}"));
+                }
+            }
+        }
+    }
+    worst.check();
+}
+
+fn truth_scale(coefficients: &[f32; 2]) -> f64 {
+    f64::from(coefficients[0]) * (4.0 * PI).sqrt()
+}
+
+/// A spot whose intensity is `((1 + cos)/2)²` about its axis: Legendre coefficients 1/3, 1/2, 1/6. Light scattered twice.
+#[test]
+fn an_independent_monte_carlo_agrees_for_a_spot() {
+    let mut worst = Worst::new("spot, order 2, against Monte Carlo, in standard errors", 4.0);
+    let spot = [1.0 / 3.0, 0.5, 1.0 / 6.0];
+    for (sigma_t, albedo) in [(1.0, 1.0), (2.5, 0.6)] {
+        let response = TableSet::embedded().axial(&spot, &Air::isotropic(albedo), Scatter::Multiple(2));
+        for (turned, sign) in [("to", 1.0), ("away", -1.0f32)] {
+            let d = 0.5;
+            let c = response.coefficients(sigma_t as f32, d as f32, sign);
+            let lamp = |cos: f64| (0.5 * (1.0 + f64::from(sign) * cos)).powi(2);
+            let truth = monte_carlo(sigma_t, albedo, &Phase::Isotropic, d, lamp, 2, 11);
+            for (l, (mean, error)) in truth.into_iter().enumerate() {
+                let got = f64::from(c[l]) / ((2 * l + 1) as f64 / (4.0 * PI)).sqrt();
+                let allowed = error + 0.003 / 4.0 * truth_scale(&[c[0], c[1]]);
+                println!("spot {turned} sigma {sigma_t} l {l}: {got:.5} Monte Carlo {mean:.5} ± {error:.5}");
+                worst.record((got - mean).abs() / allowed, || format!("{turned} sigma {sigma_t} l {l}"));
+            }
+        }
+    }
+    worst.check();
+}
+
+/// Moments of directional light that enters at z = d and is scattered `order` times before it comes to the origin, backwards.
+fn monte_carlo_directional(sigma_t: f64, albedo: f64, phase: &Phase<f64>, d: f64, order: usize) -> [(f64, f64); 2] {
+    let mut random = SmallRng::seed_from_u64(5);
+    let mut moments = [Vec::new(), Vec::new()];
+    for _ in 0..paths() {
+        let mut uniform_direction = || {
+            let (z, turn) = (2.0 * random.random::<f64>() - 1.0, 2.0 * PI * random.random::<f64>());
+            let r = (1.0 - z * z).sqrt();
+            (glam::DVec3::new(r * turn.cos(), r * turn.sin(), z), -(1.0 - random.random::<f64>()).ln() / sigma_t)
+        };
+        let (first, t) = uniform_direction();
+        let (mut position, mut direction, mut weight) = (first * t, first, 4.0 * PI * albedo);
+        for _ in 1..order {
+            let (next, t) = uniform_direction();
+            // Air ends at z = d; a path that leaves it has come from outside.
+            weight *= if position.z < d { 4.0 * PI * albedo * phase.eval(direction.dot(next)) } else { 0.0 };
+            (position, direction) = (position + next * t, next);
+        }
+        let inside = position.z < d;
+        let value = weight * phase.eval(direction.z) * (-sigma_t * (d - position.z)).exp();
+        let value = if inside { value } else { 0.0 };
+        moments[0].push(value);
+        moments[1].push(value * first.z);
+    }
+    [mean_and_error(&moments[0]), mean_and_error(&moments[1])]
+}
+
+#[test]
+fn an_independent_monte_carlo_agrees_for_directional_light() {
+    let mut worst = Worst::new("directional light against Monte Carlo, in standard errors", 4.0);
+    let forward = Phase::HenyeyGreenstein { g: 0.5 };
+    for (sigma_t, albedo, phase, order) in [
+        (1.0, 1.0, Phase::Isotropic, 1),
+        (1.0, 1.0, Phase::Isotropic, 2),
+        (2.5, 0.6, forward, 1),
+        (2.5, 0.6, Phase::Isotropic, 3),
+    ] {
+        let air = Air { albedo, phase: phase.clone() };
+        let d = 0.8;
+        let up_to = |orders: usize| {
+            let scatter = if orders == 1 { Scatter::Single } else { Scatter::Multiple(orders) };
+            let mut c = [0.0f32; 11];
+            TableSet::embedded().directional(&air, scatter).coefficients(sigma_t as f32, d as f32, &mut c);
+            [c[0], c[1]]
+        };
+        let mut c = up_to(order);
+        if order > 2 {
+            let below = up_to(order - 1);
+            c = [c[0] - below[0], c[1] - below[1]];
+        }
+        for (l, (mean, error)) in monte_carlo_directional(sigma_t, albedo, &phase, d, order).into_iter().enumerate() {
+            let got = f64::from(c[l]) / ((2 * l + 1) as f64 / (4.0 * PI)).sqrt();
+            let allowed = error + 0.003 / 4.0 * truth_scale(&c);
+            println!("directional sigma {sigma_t} order {order} l {l}: {got:.5} Monte Carlo {mean:.5} ± {error:.5}");
+            worst.record((got - mean).abs() / allowed, || format!("sigma {sigma_t} order {order} l {l}"));
+        }
+    }
+    worst.check();
+}
