@@ -28,6 +28,7 @@
 //! | G_n(T, θ), G_0 being n = 1 | [`surface::g`] | 2e-14 | 4e-6 |
 //! | PSF, NPSF | [`psf::psf`], [`psf::npsf`] | 2e-13 | 2e-6 |
 //! | air-light, any phase and lamp, 24 nodes a side | [`airlight::Quadrature`] on a [`airlight::Sight`] | `docs/airlight.md`; 48 nodes 1e-14, hard 1e-9 | 1e-5; 16 nodes 3e-5; order-10 lobes 5e-4 |
+//! | the same, 8 or 16 rays at once | [`airlight::wide::radiance`] | — | 1e-5; 32 nodes, HG 0.9: 5e-5 |
 //! | the same in closed form | [`airlight::ClosedForm`] | 1e-11, degree 10 1e-7 | 3e-5, isotropic lamp, degree ≤ 2 |
 //! | truth for both | [`airlight::Oracle`] | 1e-14, hard 2e-11 | — |
 //! | ∫ ds/((s + b)² + h²) | [`airlight::macklin::inverse_square_integral`] | 1e-15 | 1e-6 |

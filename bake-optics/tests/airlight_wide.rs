@@ -67,3 +67,42 @@ fn eight_lanes_agree_with_the_oracle() {
 fn sixteen_lanes_agree_with_the_oracle() {
     check::<f32x16, 16>(f32x16::new, |v| v.to_array());
 }
+
+/// Eight rays that differ from a plain one in one number, against the oracle.
+fn with_each(values: [f32; 8], set: impl Fn(&mut WideRays<f32x8>, f32x8), change: impl Fn(&mut [f32; 5], f32)) -> f64 {
+    let plain = [-2.0f32, 0.5, 6.0, 0.5, 1.0];
+    let column = |c: usize| f32x8::splat(plain[c]);
+    let mut rays = WideRays { z: column(0), h: column(1), length: column(2), sigma_s: column(3), sigma_t: column(4) };
+    set(&mut rays, f32x8::new(values));
+    let got = radiance(&rays, WidePhase::Isotropic, GaussLegendre::<f32>::cached(32)).to_array();
+    let mut worst: f64 = 0.0;
+    for (value, got) in values.iter().zip(got) {
+        let mut ray = plain;
+        change(&mut ray, *value);
+        let error = (f64::from(got) / truth(ray, &Phase::Isotropic) - 1.0).abs();
+        worst = worst.max(if error.is_nan() { f64::INFINITY } else { error });
+    }
+    worst
+}
+
+#[test]
+fn the_vector_form_keeps_its_digits_to_the_ends_of_its_domain() {
+    let near = with_each([1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-12], |r, v| r.h = v, |r, v| r[1] = v);
+    let thin = with_each([1e-1, 1e-2, 1e-4, 1e-6, 1e-9, 1e-15, 1e-30, 0.0], |r, v| r.sigma_t = v, |r, v| r[4] = v);
+    let dense = with_each([2.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 38.0], |r, v| r.sigma_t = v, |r, v| r[4] = v);
+    let along = with_each([-30.0, -10.0, -1.0, 0.0, 1e-3, 1.0, 10.0, 30.0], |r, v| r.z = v, |r, v| r[0] = v);
+    let long = [1e-6, 1e-4, 1e-2, 1.9999, 2.0, 2.0001, 1e4, f32::INFINITY];
+    let long = with_each(long, |r, v| r.length = v, |r, v| r[2] = v);
+    for (what, error) in [("h", near), ("thin", thin), ("dense", dense), ("z", along), ("length", long)] {
+        println!("{what}: {error:.1e}");
+        // e^{−T} at T = 78 moves by 78 roundings.
+        assert!(error < 5e-6, "{what}: {error}");
+    }
+    // Outside it: an endless ray without extinction has no end to place nodes by, and light below e^{−87} is 0.
+    let endless = |r: &mut WideRays<f32x8>, v| {
+        r.length = f32x8::splat(f32::INFINITY);
+        r.sigma_t = v;
+    };
+    assert!(with_each([0.0; 8], endless, |r, _| (r[2], r[4]) = (f32::INFINITY, 0.0)) > 1e-3);
+    assert_eq!(with_each([60.0; 8], |r, v| r.sigma_t = v, |r, v| r[4] = v), 1.0);
+}

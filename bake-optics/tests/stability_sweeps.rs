@@ -353,3 +353,37 @@ fn rays_through_the_lamp() {
         }),
     );
 }
+
+/// The path s + r grows along the ray, so M_k lies between M_0 times its k-th power at either end.
+#[test]
+fn moments_lie_between_those_of_the_ends() {
+    let law = |value: fn(f64, f64, f64) -> [f64; 5]| {
+        move |(angle, distance, length, _): (f64, f64, f64, f64)| {
+            let near = sight::<f64>((angle, distance, length));
+            let (first, last) = (near.eye_distance(), length + (near.z + length).hypot(near.h));
+            let moments = value(near.z, near.h, length);
+            for (k, moment) in moments.iter().enumerate() {
+                let share = moment / moments[0];
+                let (least, most) = (first.powi(k as i32), last.powi(k as i32));
+                prop_assert!(
+                    share >= least * (1.0 - 1e-9) && share <= most * (1.0 + 1e-9),
+                    "M_{k}: {least} {share} {most}"
+                );
+            }
+            Ok(())
+        }
+    };
+    holds(rays(), law(macklin::extinction_moments));
+    breaks(
+        "M_1 and M_2 as sums of logarithms",
+        rays(),
+        law(|z, h, length| {
+            let (end, m0) = (z + length, macklin::inverse_square_integral(z, h, length));
+            let (ra, rb) = (z.hypot(h), end.hypot(h));
+            let (ln_ratio, angle) = ((rb / ra).ln(), (end / h).asinh() - (z / h).asinh());
+            let m1 = ln_ratio + angle - z * m0;
+            let m2 = 2.0 * length + (z * z - h * h) * m0 - 2.0 * z * (ln_ratio + angle) + 2.0 * (rb - ra);
+            [m0, m1, m2, m0 * ra.powi(3), m0 * ra.powi(4)]
+        }),
+    );
+}
