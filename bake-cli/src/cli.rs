@@ -69,6 +69,10 @@ pub enum Command {
     Init(commands::init::Args),
     /// Make, show and check the tables that fog is baked with
     Tables(commands::tables::Args),
+    /// Look up baked light at points in space
+    Sample(commands::sample::Args),
+    /// Compare two packages: bias, relative RMSE, worst texels, by term
+    Diff(commands::diff::Args),
 }
 
 /// The command line did not lead to a command.

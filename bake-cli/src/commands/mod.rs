@@ -2,11 +2,13 @@
 //! `run(&Args, &Global) -> Result<Outcome, Failure>`; a new command adds its file, a variant of `cli::Command` and a
 //! line of `dispatch`.
 
+pub mod diff;
 pub mod init;
 pub mod later;
 pub mod plan;
 pub mod run;
 pub mod tables;
+pub mod sample;
 
 use crate::cli::{Cli, Command};
 use crate::exit::{Failure, Outcome};
@@ -22,5 +24,7 @@ pub fn dispatch(cli: &Cli) -> Result<Outcome, Failure> {
         Command::Plan(args) => plan::run(args, &cli.global),
         Command::Init(args) => init::run(args, &cli.global),
         Command::Tables(args) => tables::run(args, &cli.global),
+        Command::Diff(args) => diff::run(args, &cli.global),
+        Command::Sample(args) => sample::run(args, &cli.global),
     }
 }

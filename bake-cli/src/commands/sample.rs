@@ -1,0 +1,59 @@
+//! `bake sample`: baked light at points in space, as comma separated text.
+
+use crate::cli::Global;
+use crate::exit::{Failure, Outcome};
+use bake_formats::package::write_atomic;
+use bake_formats::sample::{Sampler, sample_csv};
+use bake_formats::{FormatError, Package};
+use std::io::Write;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Example:
+  bake sample room.bake points.csv -o light.csv
+
+The points' columns are px,py,pz,nx,ny,nz or x,y,z,nx,ny,nz: metres and directions in the axes of the glTF file.
+Other columns pass through; lines that begin with # are skipped. A point takes the light of the nearest surface
+that faces along its normal within 60 degrees.";
+
+/// Flags of `bake sample`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// The package's folder
+    pub package: PathBuf,
+    /// The points: comma separated, one a line below a header
+    pub points: PathBuf,
+    /// Write to this file [default: standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// Samples.
+pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
+    let package = Package::open(&args.package).map_err(failure)?;
+    let sampler = Sampler::open(&package).map_err(failure)?;
+    let points = std::fs::read_to_string(&args.points).map_err(|error| {
+        let text = format!("cannot read {}: {error}", args.points.display());
+        Failure::wrong(text, "name a text file with the columns px,py,pz,nx,ny,nz")
+    })?;
+    let (light, unanswered) = sample_csv(&sampler, &points).map_err(|error| {
+        Failure::wrong(format!("{}: {error}", args.points.display()), "`bake sample --help` shows the columns")
+    })?;
+    match &args.output {
+        Some(file) => write_atomic(file, |out| out.write_all(light.as_bytes())).map_err(failure)?,
+        None => std::io::stdout().write_all(light.as_bytes()).map_err(Failure::failed)?,
+    }
+    if unanswered > 0 && !global.quiet {
+        eprintln!("{unanswered} points have empty cells: no lightmapped surface faces along their normals");
+    }
+    Ok(Outcome::Done)
+}
+
+/// The system's refusals are failures, everything else is the package's fault.
+pub(super) fn failure(error: FormatError) -> Failure {
+    match error {
+        FormatError::Io { .. } => Failure::failed(error),
+        _ => Failure::invalid(error),
+    }
+}
