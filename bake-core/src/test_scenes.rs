@@ -11,7 +11,7 @@ pub fn mesh(positions: Vec<Vec3>, normals: Vec<Vec3>, triangles: Vec<[u32; 3]>, 
     Mesh {
         name: "test".into(),
         normals: if normals.is_empty() { vec![Vec3::Y; count] } else { normals },
-        texcoords: [vec![Vec2::ZERO; count], vec![Vec2::ZERO; count]],
+        texcoords: std::array::from_fn(|_| vec![Vec2::ZERO; count]),
         colors: vec![Vec4::ONE; count],
         positions,
         triangles,

@@ -23,8 +23,8 @@ pub struct BakedScene {
     pub geometries: Vec<Geometry>,
     /// Placements; the index is the node's index in the file.
     pub nodes: Vec<Node>,
-    /// Materials without lightmap, in glTF's form; their texture indices mean `textures`, and set 1 the material's own
-    /// second coordinate set ([`Geometry::texcoord_material`]).
+    /// Materials without lightmap, in glTF's form; their texture indices mean `textures`, their coordinate set 0
+    /// [`Geometry::texcoord_0`], and k ≥ 1 entry k − 1 of [`Geometry::texcoords_material`].
     pub materials: Vec<gltf::Material>,
     /// Images with their samplers.
     pub textures: Vec<Texture>,
@@ -45,8 +45,8 @@ pub struct Geometry {
     pub normals: Vec<Vec3>,
     /// TEXCOORD_0.
     pub texcoord_0: Vec<Vec2>,
-    /// The material's second coordinate set where a texture uses it; TEXCOORD_2 of the file, since 1 is the lightmap's.
-    pub texcoord_material: Option<Vec<Vec2>>,
+    /// Further coordinate sets that textures use, two at most; TEXCOORD_2 and 3 of the file, since 1 is the lightmap's.
+    pub texcoords_material: Vec<Vec<Vec2>>,
     /// Vertex colours, where not all white.
     pub colors: Option<Vec<Vec4>>,
     /// Triangles by material.
@@ -179,7 +179,8 @@ impl Writer<'_> {
             normal: builder.floats(geometry.normals.iter().map(|v| v.to_array()), false),
             texcoord_0: pair(&geometry.texcoord_0, builder),
             texcoord_1: None,
-            texcoord_2: geometry.texcoord_material.as_ref().map(|values| pair(values, builder)),
+            texcoord_2: geometry.texcoords_material.first().map(|values| pair(values, builder)),
+            texcoord_3: geometry.texcoords_material.get(1).map(|values| pair(values, builder)),
             color_0: geometry.colors.as_ref().map(|v| builder.floats(v.iter().map(|c| c.to_array()), false)),
         };
         let primitives = geometry
@@ -218,8 +219,8 @@ impl Writer<'_> {
             return index;
         }
         let mut copy = self.scene.materials[material as usize].clone();
-        for info in textures_of(&mut copy).filter(|info| info.tex_coord == 1) {
-            info.tex_coord = 2;
+        for info in textures_of(&mut copy).filter(|info| info.tex_coord > 0) {
+            info.tex_coord += 1;
         }
         copy.extensions.lightmap = page.map(|page| {
             let index = (self.scene.textures.len() + 2 * page as usize) as u32;

@@ -62,7 +62,8 @@ fn materials(reader: &Reader, scene: &mut BakedScene) -> Result<Vec<(u32, Option
             if info.index as usize >= scene.textures.len() {
                 return Err(reader.invalid(format!("material {index}: texture"), info.index, "a texture"));
             }
-            info.tex_coord = info.tex_coord.min(1);
+            // Set 1 is the lightmap's; the material's further ones begin behind it.
+            info.tex_coord = info.tex_coord.min(3) - u32::from(info.tex_coord > 1);
         }
         let at = scene.materials.iter().position(|known| *known == copy).unwrap_or_else(|| {
             scene.materials.push(copy);
@@ -115,7 +116,7 @@ fn read_node(
     let geometry = match known.get(&key) {
         Some(&geometry) => geometry,
         None => {
-            geometries.push(read_geometry(reader, mesh, &key.1, page.is_some())?);
+            geometries.push(read_geometry(reader, mesh, &key.1)?);
             known.insert(key, geometries.len() as u32 - 1);
             geometries.len() as u32 - 1
         }
@@ -136,11 +137,11 @@ fn read_node(
     Ok(Node { path: node.name.clone(), source_node, world_from_object, geometry, lightmap })
 }
 
-fn read_geometry(reader: &Reader, mesh: &gltf::Mesh, parts: &[(u32, u32)], lightmapped: bool) -> Result<Geometry> {
+fn read_geometry(reader: &Reader, mesh: &gltf::Mesh, parts: &[(u32, u32)]) -> Result<Geometry> {
     let attributes = &mesh.primitives[0].attributes;
     let positions: Vec<Vec3> = reader.floats::<3>(attributes.position)?.into_iter().map(Vec3::from).collect();
     let count = positions.len();
-    let material_set = if lightmapped { attributes.texcoord_2 } else { attributes.texcoord_1 };
+    let further = [attributes.texcoord_2, attributes.texcoord_3].into_iter().map_while(|set| set);
     let primitives = parts
         .iter()
         .map(|&(indices, material)| Ok(Primitive { triangles: reader.triangles(indices, count)?, material }))
@@ -149,7 +150,7 @@ fn read_geometry(reader: &Reader, mesh: &gltf::Mesh, parts: &[(u32, u32)], light
         name: mesh.name.clone(),
         normals: array::<3, Vec3>(reader, attributes.normal, count)?,
         texcoord_0: array::<2, Vec2>(reader, attributes.texcoord_0, count)?,
-        texcoord_material: material_set.map(|at| array::<2, Vec2>(reader, at, count)).transpose()?,
+        texcoords_material: further.map(|at| array::<2, Vec2>(reader, at, count)).collect::<Result<_>>()?,
         colors: attributes.color_0.map(|at| array::<4, Vec4>(reader, at, count)).transpose()?,
         positions,
         primitives,

@@ -3,6 +3,7 @@
 //! A [`PackageWriter`] first puts every file under a temporary name into the package's folder; only when all are there
 //! does it rename them, the manifest last. A full disk therefore leaves an older package untouched, and a process
 //! killed between two renames leaves files that do not match the manifest, which [`Package::open`] refuses as stale.
+//! Temporary files of killed processes are removed by the next writer.
 
 use crate::error::{FormatError, Result};
 use crate::float_image::{FloatImage, PixelFormat};
@@ -14,6 +15,9 @@ use tempfile::NamedTempFile;
 
 /// End of the manifest's file name.
 pub const MANIFEST_SUFFIX: &str = ".bake.json";
+
+/// Begin and end of the names of temporary files.
+const TEMPORARY: (&str, &str) = (".bake-", ".tmp");
 
 /// Writes one file under a temporary name in its folder, then renames it. For the files outside the manifest's hashes.
 pub fn write_atomic(path: &Path, write: impl FnOnce(&mut BufWriter<&mut File>) -> std::io::Result<()>) -> Result<()> {
@@ -29,10 +33,12 @@ fn stage(
     write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<()>,
 ) -> Result<NamedTempFile> {
     let mut file = tempfile::Builder::new()
-        .prefix(".bake-")
-        .suffix(".tmp")
+        .prefix(TEMPORARY.0)
+        .suffix(TEMPORARY.1)
         .tempfile_in(folder)
         .map_err(FormatError::io("create a temporary file beside", path))?;
+    // Tells living writers from killed ones; where locks are unknown, leftovers stay.
+    let _ = file.as_file().try_lock();
     let mut out = BufWriter::new(file.as_file_mut());
     write(&mut out)?;
     out.flush().map_err(FormatError::io("write", path))?;
@@ -68,7 +74,7 @@ pub struct PackageWriter {
 }
 
 impl PackageWriter {
-    /// Makes the folder where needed. Errors: the folder holds a package of another name, or cannot be written to.
+    /// Makes the folder where needed, and removes what killed writers left in it. Errors: the folder holds a package of another name, or cannot be written to.
     pub fn create(folder: &Path, name: &str) -> Result<Self> {
         fs::create_dir_all(folder).map_err(FormatError::io("create", folder))?;
         let found = manifests(folder)?;
@@ -77,6 +83,7 @@ impl PackageWriter {
             let found = other.trim_end_matches(MANIFEST_SUFFIX).to_owned();
             return Err(FormatError::FolderTaken { folder: folder.into(), found });
         }
+        remove_leftovers(folder)?;
         Ok(Self { folder: folder.into(), name: name.into(), staged: Vec::new() })
     }
 
@@ -227,6 +234,20 @@ fn hash_file(path: &Path) -> Result<(String, u64)> {
     let file = File::open(path).map_err(FormatError::io("read", path))?;
     hasher.update_reader(file).map_err(FormatError::io("read", path))?;
     Ok((hasher.finalize().to_hex().to_string(), hasher.count()))
+}
+
+/// Removes temporary files of killed processes: those that nobody holds a lock on.
+fn remove_leftovers(folder: &Path) -> Result<()> {
+    for entry in fs::read_dir(folder).map_err(FormatError::io("read", folder))? {
+        let entry = entry.map_err(FormatError::io("read", folder))?;
+        let name = entry.file_name();
+        let ours = name.to_str().is_some_and(|name| name.starts_with(TEMPORARY.0) && name.ends_with(TEMPORARY.1));
+        // What cannot be removed is in nobody's way.
+        if ours && File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok()) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+    Ok(())
 }
 
 /// File names of the manifests in a folder, sorted.

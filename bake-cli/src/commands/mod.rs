@@ -7,8 +7,8 @@ pub mod init;
 pub mod later;
 pub mod plan;
 pub mod run;
-pub mod tables;
 pub mod sample;
+pub mod tables;
 
 use crate::cli::{Cli, Command};
 use crate::exit::{Failure, Outcome};

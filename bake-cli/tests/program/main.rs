@@ -1,6 +1,7 @@
 //! The program as its users meet it: the built binary, files in, exit code and files out.
 
 mod bake;
+mod killed;
 mod run;
 mod settings;
 mod tables;

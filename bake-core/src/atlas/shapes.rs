@@ -103,7 +103,7 @@ pub(crate) fn mesh(positions: Vec<Vec3>, uv: Option<Vec<Vec2>>, triangles: Vec<[
         name: "mesh 0".into(),
         normals: vec![Vec3::Y; n],
         has_texcoord_1: uv.is_some(),
-        texcoords: [vec![Vec2::ZERO; n], uv.unwrap_or_else(|| vec![Vec2::ZERO; n])],
+        texcoords: [vec![Vec2::ZERO; n], uv.unwrap_or_else(|| vec![Vec2::ZERO; n]), vec![Vec2::ZERO; n]],
         colors: vec![glam::Vec4::ONE; n],
         positions,
         triangles,

@@ -3,15 +3,16 @@
 use super::material::Translator;
 use super::{Bake, images};
 use crate::atlas::{Layout, Placement};
-use crate::scene::{Instance, Mesh, Scene};
+use crate::scene::{Instance, Material, Mesh};
 use bake_formats::baked_scene::{BakedScene, Geometry, Lightmap, Node, PageImage, Primitive};
 use bake_formats::manifest::{InstanceRecord, LightRecord, PageRecord};
 use glam::Vec4;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The baked scene and the manifest's records of its lightmapped instances.
 pub(super) fn scene(bake: Bake, pages: &[PageRecord], lights: Vec<LightRecord>) -> (BakedScene, Vec<InstanceRecord>) {
-    let mut translator = Translator::new(bake.scene);
+    let sets = material_sets(&bake.scene.materials);
+    let mut translator = Translator::new(bake.scene, &sets);
     let materials = bake.scene.materials.iter().map(|material| translator.material(material)).collect();
     let pages = pages.iter().zip(bake.pages).map(|(record, buffers)| {
         let (preview, preview_white) = images::preview(buffers);
@@ -33,7 +34,7 @@ pub(super) fn scene(bake: Bake, pages: &[PageRecord], lights: Vec<LightRecord>) 
         let key = (instance.mesh, placement.map(|placement| placement.layout));
         let geometry = *geometries.entry(key).or_insert_with(|| {
             let mesh = &bake.scene.meshes[instance.mesh as usize];
-            baked.geometries.push(geometry(bake.scene, mesh, layout));
+            baked.geometries.push(geometry(mesh, layout, &sets));
             baked.geometries.len() as u32 - 1
         });
         if let Some(placement) = placement {
@@ -69,7 +70,7 @@ fn lightmap(placement: Placement, layout: &Layout) -> Lightmap {
 }
 
 /// The mesh with its vertices as the layout splits them, or as they are.
-fn geometry(scene: &Scene, mesh: &Mesh, layout: Option<&Layout>) -> Geometry {
+fn geometry(mesh: &Mesh, layout: Option<&Layout>, sets: &[u8]) -> Geometry {
     let sources = match layout {
         Some(layout) => layout.source_vertex.clone(),
         None => (0..mesh.positions.len() as u32).collect(),
@@ -79,14 +80,13 @@ fn geometry(scene: &Scene, mesh: &Mesh, layout: Option<&Layout>) -> Geometry {
         triangles: triangles[primitive.triangles.start as usize..primitive.triangles.end as usize].to_vec(),
         material: primitive.material,
     });
-    let uses_set_1 = mesh.primitives.iter().any(|primitive| uses_set_1(scene, primitive.material));
     let colored = mesh.colors.iter().any(|&color| color != Vec4::ONE);
     Geometry {
         name: mesh.name.clone(),
         positions: gather(&mesh.positions, &sources),
         normals: gather(&mesh.normals, &sources),
         texcoord_0: gather(&mesh.texcoords[0], &sources),
-        texcoord_material: uses_set_1.then(|| gather(&mesh.texcoords[1], &sources)),
+        texcoords_material: sets.iter().map(|&set| gather(&mesh.texcoords[usize::from(set)], &sources)).collect(),
         colors: colored.then(|| gather(&mesh.colors, &sources)),
         primitives: primitives.filter(|primitive| !primitive.triangles.is_empty()).collect(),
     }
@@ -96,17 +96,17 @@ fn gather<T: Copy>(values: &[T], sources: &[u32]) -> Vec<T> {
     sources.iter().map(|&source| values[source as usize]).collect()
 }
 
-/// Whether any texture of a material reads the second coordinate set, which the lightmap takes over.
-fn uses_set_1(scene: &Scene, material: u32) -> bool {
-    let material = &scene.materials[material as usize];
-    [
-        &material.base_color_texture,
-        &material.emission_texture,
-        &material.transmission_texture,
-        &material.diffuse_transmission_texture,
-        &material.diffuse_transmission_color_texture,
-    ]
-    .into_iter()
-    .flatten()
-    .any(|texture| texture.texcoord == 1)
+/// Coordinate sets beyond the first that textures of the materials use, ascending.
+fn material_sets(materials: &[Material]) -> Vec<u8> {
+    let textures = materials.iter().flat_map(|material| {
+        [
+            &material.base_color_texture,
+            &material.emission_texture,
+            &material.transmission_texture,
+            &material.diffuse_transmission_texture,
+            &material.diffuse_transmission_color_texture,
+        ]
+    });
+    let sets: BTreeSet<u8> = textures.flatten().map(|texture| texture.texcoord).filter(|&set| set > 0).collect();
+    sets.into_iter().collect()
 }

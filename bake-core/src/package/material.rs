@@ -8,6 +8,8 @@ use glam::Vec3;
 /// Collects the textures while materials are translated.
 pub(super) struct Translator<'a> {
     scene: &'a Scene,
+    /// Coordinate sets that become 1, 2, … of the baked scene's materials.
+    sets: &'a [u8],
     /// PNG of each image of the scene, made at first use.
     pngs: Vec<Option<Vec<u8>>>,
     /// Textures so far.
@@ -17,8 +19,8 @@ pub(super) struct Translator<'a> {
 }
 
 impl<'a> Translator<'a> {
-    pub fn new(scene: &'a Scene) -> Self {
-        Self { scene, pngs: vec![None; scene.images.len()], textures: Vec::new(), images: Vec::new() }
+    pub fn new(scene: &'a Scene, sets: &'a [u8]) -> Self {
+        Self { scene, sets, pngs: vec![None; scene.images.len()], textures: Vec::new(), images: Vec::new() }
     }
 
     /// One material; extensions appear only where they say something.
@@ -88,7 +90,8 @@ impl<'a> Translator<'a> {
             self.textures.len() - 1
         });
         let extensions = transform(&texture.transform).map(|transform| gltf::TextureInfoExtensions { transform });
-        Some(gltf::TextureInfo { index: index as u32, tex_coord: texture.texcoord.into(), extensions })
+        let set = self.sets.iter().position(|&set| set == texture.texcoord).map_or(0, |at| at as u32 + 1);
+        Some(gltf::TextureInfo { index: index as u32, tex_coord: set, extensions })
     }
 }
 

@@ -9,13 +9,15 @@ use bake_formats::{BakedScene, Package};
 use glam::{Affine3A, Vec2, Vec4};
 use std::sync::Arc;
 
+mod reload;
+
 fn quad() -> Mesh {
     let corners = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
     Mesh {
         name: "quad".into(),
         positions: corners.iter().map(|c| c.extend(0.0)).collect(),
         normals: vec![Vec3::Z; 4],
-        texcoords: [corners.to_vec(), corners.map(|c| 0.5 * c).to_vec()],
+        texcoords: [1.0, 0.5, 0.75].map(|scale| corners.map(|c| scale * c).to_vec()),
         colors: vec![Vec4::ONE; 4],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         primitives: vec![Primitive { triangles: 0..2, vertices: 0..4, material: 0 }],
@@ -49,6 +51,8 @@ fn scene() -> Scene {
         world_from_object: Affine3A::from_translation(Vec3::new(x, 0.0, 0.0)),
         lightmapped,
     };
+    let texel = |i: u8| [10 + 15 * i, 200 - 7 * i, 30 + 3 * i, 100 + 10 * i];
+    let image = Image { width: 4, height: 4, rgba: (0..16).map(|i| texel((i * 5) % 16)).collect() };
     let position = Vec3::new(1.0, 2.0, 3.0);
     let (radius, range) = (0.001, Some(4.0));
     let spot = LightKind::Spot {
@@ -65,7 +69,7 @@ fn scene() -> Scene {
         meshes: vec![quad()],
         instances: vec![instance("root/a", 0.0, true), instance("root/b", 5.0, true), instance("plain", 9.0, false)],
         materials: vec![material],
-        images: vec![Arc::new(Image { width: 1, height: 1, rgba: vec![[10, 20, 30, 40]] })],
+        images: vec![Arc::new(image)],
         lights: vec![Light { path: "lamp".into(), color: Vec3::new(10.0, 5.0, 0.0), kind: spot }],
         environment: None,
     }
@@ -110,7 +114,11 @@ fn buffers(seed: f32) -> PageBuffers {
 }
 
 fn write_quads(folder: &Path, pixels: PixelFormat) -> Package {
-    let (scene, atlas, pages) = (scene(), atlas(), [buffers(1.0), buffers(2.0)]);
+    write_scene(folder, &scene(), pixels)
+}
+
+fn write_scene(folder: &Path, scene: &Scene, pixels: PixelFormat) -> Package {
+    let (atlas, pages) = (atlas(), [buffers(1.0), buffers(2.0)]);
     let record = Record {
         source: Source { file: "quads.glb".into(), blake3: "0".repeat(64) },
         settings: serde_json::json!({ "bounces": null }),
@@ -120,7 +128,7 @@ fn write_quads(folder: &Path, pixels: PixelFormat) -> Package {
         reproducible: true,
         pixels,
     };
-    write(folder, Bake { scene: &scene, atlas: &atlas, pages: &pages }, &record).unwrap();
+    write(folder, Bake { scene, atlas: &atlas, pages: &pages }, &record).unwrap();
     Package::open(folder).unwrap()
 }
 
@@ -161,8 +169,8 @@ fn the_baked_scene_holds_page_coordinates_materials_and_lights() {
     // One shape for both lightmapped placements, one for the plain one.
     assert_eq!([0, 1, 2].map(|i| baked.nodes[i].geometry), [0, 0, 1]);
     assert_eq!(baked.geometries[0].positions.len(), 6);
-    assert_eq!(baked.geometries[0].texcoord_material.as_ref().unwrap()[2], Vec2::splat(0.5));
-    assert_eq!(baked.geometries[1].texcoord_material.as_ref().unwrap()[2], Vec2::splat(0.5));
+    assert_eq!(baked.geometries[0].texcoords_material[0][2], Vec2::splat(0.5));
+    assert_eq!(baked.geometries[1].texcoords_material[0][2], Vec2::splat(0.5));
     // Three copies in the file (page 0, page 1, none) are one material.
     let [material] = baked.materials.as_slice() else { panic!("{} materials", baked.materials.len()) };
     assert_eq!(material.emissive_factor, Some([0.0, 0.5, 1.0]));

@@ -155,9 +155,9 @@ impl Materials<'_, '_> {
         let Some(image) = self.images.get(source, &at.field("source"), self.warnings)? else { return Ok(None) };
         let transform = info.extensions.transform.as_ref();
         let texcoord = transform.and_then(|t| t.tex_coord).unwrap_or(info.tex_coord);
-        if texcoord > 1 {
+        if texcoord > 2 {
             let message =
-                format!("texture coordinate set {texcoord} is not read (0 and 1 are); the factor alone is used");
+                format!("texture coordinate set {texcoord} is not read (0 to 2 are); the factor alone is used");
             self.warnings.push(WarningKind::TexcoordSet, place, message);
             return Ok(None);
         }

@@ -12,6 +12,9 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 /// carry relative errors of 6e-8, squared here.
 const FLAT: f64 = 1e-14;
 
+/// The coordinate sets that are read.
+const TEXCOORDS: [&str; 3] = ["TEXCOORD_0", "TEXCOORD_1", "TEXCOORD_2"];
+
 /// Loads a mesh; none when it has no triangle.
 pub(super) fn load(
     source: &Source,
@@ -53,7 +56,7 @@ fn material(source: &Source, index: Option<u32>, place: &Place) -> Result<u32, R
 struct Attributes<'a> {
     positions: View<'a>,
     normals: Option<View<'a>>,
-    texcoords: [Option<View<'a>>; 2],
+    texcoords: [Option<View<'a>>; 3],
     colors: Option<View<'a>>,
 }
 
@@ -82,7 +85,7 @@ fn append(
     let checked = Gather { used: &used, place };
     mesh.positions.extend(checked.vectors::<3>(&attributes.positions, "POSITION")?.into_iter().map(Vec3::from));
     for (set, view) in attributes.texcoords.iter().enumerate() {
-        let name = ["TEXCOORD_0", "TEXCOORD_1"][set];
+        let name = TEXCOORDS[set];
         mesh.texcoords[set].extend(checked.optional::<2>(view.as_ref(), name, 0.0)?.into_iter().map(Vec2::from));
     }
     mesh.has_texcoord_1 &= attributes.texcoords[1].is_some();
@@ -110,7 +113,8 @@ fn attributes<'a>(reader: &'a Reader, place: &Place) -> Result<Option<Attributes
         }
         view => Ok(view),
     };
-    let texcoords = [open("TEXCOORD_0", &[2])?, open("TEXCOORD_1", &[2])?];
+    let [a, b, c] = TEXCOORDS.map(|name| open(name, &[2]));
+    let texcoords = [a?, b?, c?];
     Ok(Some(Attributes { positions, normals: open("NORMAL", &[3])?, texcoords, colors: open("COLOR_0", &[3, 4])? }))
 }
 

@@ -64,8 +64,9 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Shading normals, unit; the geometric normal where the file has none.
     pub normals: Vec<Vec3>,
-    /// Texture coordinate sets 0 and 1; zero where absent.
-    pub texcoords: [Vec<Vec2>; 2],
+    /// Texture coordinate sets 0 to 2; zero where absent. Baked scenes carry the lightmap's coordinates as set 1, a
+    /// material's further ones as set 2.
+    pub texcoords: [Vec<Vec2>; 3],
     /// Vertex colour (linear, with alpha); white where absent.
     pub colors: Vec<Vec4>,
     /// Vertex indices per triangle, counter-clockwise seen from the front in object space.
@@ -193,7 +194,7 @@ impl Default for Material {
 pub struct TextureRef {
     /// Index into the scene's images.
     pub image: u32,
-    /// Texture coordinate set, 0 or 1.
+    /// Texture coordinate set, 0 to 2.
     pub texcoord: u8,
     /// Wrapping along u and v.
     pub wrap: [Wrap; 2],

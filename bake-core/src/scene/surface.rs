@@ -205,7 +205,7 @@ mod tests {
         let uv: Vec<Vec2> = positions.iter().map(|p| p.truncate()).collect();
         let mesh = Mesh {
             normals: vec![Vec3::Z; 3],
-            texcoords: [uv.clone(), uv],
+            texcoords: [uv.clone(), uv.clone(), uv],
             colors: vec![Vec4::ONE; 3],
             triangles: vec![[0, 1, 2]],
             primitives: vec![Primitive { triangles: 0..1, vertices: 0..3, material: 0 }],

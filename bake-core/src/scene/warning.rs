@@ -32,7 +32,7 @@ impl fmt::Display for Warning {
 pub enum WarningKind {
     /// An image cannot be read; its factor alone is used.
     MissingTexture,
-    /// Texture coordinate sets beyond 1 are not read.
+    /// Texture coordinate sets beyond 2 are not read.
     TexcoordSet,
     /// Points and lines are not baked.
     PointsOrLines,

@@ -105,6 +105,8 @@ pub struct Attributes {
     pub texcoord_1: Option<u32>,
     #[serde(rename = "TEXCOORD_2", default, skip_serializing_if = "Option::is_none")]
     pub texcoord_2: Option<u32>,
+    #[serde(rename = "TEXCOORD_3", default, skip_serializing_if = "Option::is_none")]
+    pub texcoord_3: Option<u32>,
     #[serde(rename = "COLOR_0", default, skip_serializing_if = "Option::is_none")]
     pub color_0: Option<u32>,
 }
