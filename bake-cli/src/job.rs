@@ -70,9 +70,6 @@ fn refuse_later(settings: &Settings) -> Result<(), Failure> {
     if settings.probes.is_some() {
         return Err(later::refuse("a probe grid (`probes`)"));
     }
-    if settings.keep_raw {
-        return Err(later::refuse("`--keep-raw`"));
-    }
     if settings.time_budget.is_some() {
         return Err(later::refuse("`--time-budget`"));
     }

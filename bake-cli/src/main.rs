@@ -7,6 +7,7 @@ mod cli;
 mod commands;
 mod exit;
 mod flags;
+mod html;
 mod input;
 mod interrupt;
 mod job;

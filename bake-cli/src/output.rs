@@ -6,7 +6,7 @@ use crate::report::Measured;
 use bake_core::fingerprint;
 use bake_core::package::{self, Bake, Record};
 use bake_core::plan::Plan;
-use bake_core::solve::Lightmap;
+use bake_core::solve::buffers::PageBuffers;
 use bake_formats::FormatError;
 use bake_formats::float_image::PixelFormat;
 use bake_formats::manifest::Source;
@@ -19,6 +19,15 @@ pub struct Output {
     folder: PathBuf,
     /// The folder, to be removed again where nothing comes to lie in it.
     made: MadeFolder,
+}
+
+/// What the solver and post-processing left.
+#[derive(Debug, Clone, Copy)]
+pub struct Pages<'a> {
+    /// After post-processing.
+    pub finished: &'a [PageBuffers],
+    /// Before, when asked for.
+    pub raw: Option<&'a [PageBuffers]>,
 }
 
 /// Folders made here; those still empty at the end are removed.
@@ -45,8 +54,8 @@ impl Output {
     }
 
     /// Writes everything and publishes it; returns the manifest's path.
-    pub fn write(mut self, scene_file: &Path, job: &Job, plan: &Plan, lightmap: &Lightmap) -> Result<PathBuf, Failure> {
-        let bake = Bake { scene: &job.scene, atlas: &job.atlas, pages: &lightmap.pages };
+    pub fn write(mut self, scene_file: &Path, job: &Job, plan: &Plan, pages: Pages) -> Result<PathBuf, Failure> {
+        let bake = Bake { scene: &job.scene, atlas: &job.atlas, pages: pages.finished, raw: pages.raw };
         let path = package::write(&self.folder, bake, &record(scene_file, job, plan)?)?;
         self.made.0.clear();
         Ok(path)
@@ -70,12 +79,17 @@ fn record(scene_file: &Path, job: &Job, plan: &Plan) -> Result<Record, Failure> 
 
 /// Writes `NAME.run.json` beside the manifest; it lies outside the package's hashes.
 pub fn write_measured(measured: &Measured) -> Result<(), Failure> {
-    let manifest = measured.package.file_name().unwrap_or_default().to_string_lossy();
-    let name = manifest.strip_suffix(bake_formats::package::MANIFEST_SUFFIX).unwrap_or(&manifest);
-    let path = measured.package.with_file_name(format!("{name}.run.json"));
     let mut bytes = serde_json::to_vec_pretty(measured).expect("plain data becomes JSON");
     bytes.push(b'\n');
-    Ok(write_atomic(&path, |out| out.write_all(&bytes))?)
+    write_beside(&measured.package, "run.json", &bytes)
+}
+
+/// Writes `NAME.suffix` beside a manifest.
+pub fn write_beside(manifest: &Path, suffix: &str, bytes: &[u8]) -> Result<(), Failure> {
+    let file = manifest.file_name().unwrap_or_default().to_string_lossy();
+    let name = file.strip_suffix(bake_formats::package::MANIFEST_SUFFIX).unwrap_or(&file);
+    let path = manifest.with_file_name(format!("{name}.{suffix}"));
+    Ok(write_atomic(&path, |out| out.write_all(bytes))?)
 }
 
 impl From<FormatError> for Failure {

@@ -72,11 +72,16 @@ pub struct Measured {
 /// One page.
 #[derive(Debug, Clone, Serialize)]
 pub struct PageMeasured {
-    samples_per_texel: u32,
-    error: f32,
-    median_lux: f32,
-    good_texels: u32,
-    buried_texels: u32,
+    /// Samples per texel.
+    pub samples_per_texel: u32,
+    /// Standard error, as a share of the median.
+    pub error: f32,
+    /// Median luminance of the irradiance.
+    pub median_lux: f32,
+    /// Texels that were baked.
+    pub good_texels: u32,
+    /// Texels buried in other geometry.
+    pub buried_texels: u32,
 }
 
 /// Where it ran.

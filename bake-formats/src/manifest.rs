@@ -173,6 +173,8 @@ pub struct PageRecord {
     pub terms: String,
     /// Image of l ≤ 1 harmonics.
     pub sh1: Option<String>,
+    /// Image of the terms before seams were stitched and gaps filled.
+    pub raw: Option<String>,
 }
 
 /// A surface with a lightmap.

@@ -25,7 +25,7 @@ fn write(folder: &Path, value: f32, pages: u32) -> Result<(), FormatError> {
     for page in 0..pages {
         let lightmap = writer.add_image(&format!("lightmap.{page:02}.exr"), &image(value), PixelFormat::F32)?;
         let terms = writer.add_image(&format!("terms.{page:02}.exr"), &image(value), PixelFormat::F16)?;
-        manifest.pages.push(PageRecord { width: 4, height: 4, lightmap, terms, sh1: None });
+        manifest.pages.push(PageRecord { width: 4, height: 4, lightmap, terms, sh1: None, raw: None });
     }
     writer.add_bytes("baked.glb", b"glTF")?;
     writer.finish(manifest).map(|_| ())
@@ -85,7 +85,14 @@ fn a_writer_that_fails_or_is_dropped_leaves_the_older_package_untouched() {
     writer.add_image("lightmap.00.exr", &image(9.0), PixelFormat::F32).unwrap();
     let mut manifest = manifest();
     let lightmap = "room.lightmap.00.exr".into();
-    manifest.pages.push(PageRecord { width: 4, height: 4, lightmap, terms: "nothing.exr".into(), sh1: None });
+    manifest.pages.push(PageRecord {
+        width: 4,
+        height: 4,
+        lightmap,
+        terms: "nothing.exr".into(),
+        sh1: None,
+        raw: None,
+    });
     assert!(writer.finish(manifest).is_err());
     assert!(files(folder.path()) == before, "an invalid manifest left traces");
 }

@@ -110,7 +110,7 @@ fn sampler(invalid: impl Fn(u32, u32) -> bool) -> Sampler {
     let source = Source { file: "box.glb".into(), blake3: String::new() };
     let mut manifest = Manifest::new("box", source, Settings::new(serde_json::Value::Null));
     manifest.terms = vec![Term::Direct];
-    manifest.pages.push(PageRecord { width: SIZE, height: SIZE, lightmap, terms, sh1: None });
+    manifest.pages.push(PageRecord { width: SIZE, height: SIZE, lightmap, terms, sh1: None, raw: None });
     writer.add_bytes("baked.glb", &box_scene().to_bytes(folder.path()).unwrap()).unwrap();
     writer.finish(manifest).unwrap();
     Sampler::open(&Package::open(folder.path()).unwrap()).unwrap()

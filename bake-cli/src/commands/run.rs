@@ -6,9 +6,10 @@ use crate::flags::RARE;
 use crate::input::{HELP_TEMPLATE, Input};
 use crate::interrupt::Interrupt;
 use crate::job::{Job, stop_if_interrupted};
+use crate::output::{Output, Pages};
+use crate::plan_text;
 use crate::progress::Progress;
 use crate::report::{Measured, Stopwatch};
-use crate::{output::Output, plan_text};
 use bake_core::plan::Plan;
 use bake_core::post;
 use bake_core::progress::Progress as _;
@@ -58,19 +59,23 @@ fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, F
     tell(global, progress, &job, &plan);
 
     let mut lightmap = trace(&job, progress, &mut stopwatch)?;
+    let raw = job.settings.keep_raw.then(|| lightmap.pages.clone());
     stopwatch.time("post", || finish_pages(&job, &mut lightmap.pages));
     stop_if_interrupted(progress)?;
 
     progress.stage("write", 0);
     let target = job.settings.relative_error();
     job.warnings.extend(missed_target(&job, &lightmap));
-    let package = stopwatch.time("write", || output.write(&args.input.file, &job, &plan, &lightmap))?;
+    job.warnings.extend(endless_paths(&lightmap));
+    let pages = Pages { finished: &lightmap.pages, raw: raw.as_deref() };
+    let package = stopwatch.time("write", || output.write(&args.input.file, &job, &plan, pages))?;
     let mut measured = Measured::new(stopwatch, &lightmap, target);
     measured.unbaked_texels = lightmap.pages.iter().map(without_value).sum();
     measured.filled_texels -= measured.unbaked_texels;
     measured.warnings = job.warnings;
     measured.package = package;
     crate::output::write_measured(&measured)?;
+    crate::html::write(&measured, &job.scene.name, &plan, &lightmap.pages)?;
     Ok(measured)
 }
 
@@ -117,6 +122,16 @@ fn missed_target(job: &Job, lightmap: &Lightmap) -> Option<String> {
             lightmap.reports.len(),
             100.0 * target,
             100.0 * worst
+        )
+    })
+}
+
+/// A warning where light had nothing to absorb it.
+fn endless_paths(lightmap: &Lightmap) -> Option<String> {
+    (lightmap.cut_paths > 0).then(|| {
+        format!(
+            "{} paths were cut at the longest length: surfaces that enclose light absorb next to nothing; lower their base colour",
+            lightmap.cut_paths
         )
     })
 }

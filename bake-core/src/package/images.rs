@@ -40,8 +40,25 @@ pub(super) fn sh1(page: &PageBuffers) -> Option<FloatImage> {
     Some(image)
 }
 
-/// 8-bit sRGB PNG of the total, and the irradiance of its white: the 99th percentile of luminance over baked texels.
+/// 8-bit sRGB PNG of the total, and the irradiance of its white.
 pub(super) fn preview(page: &PageBuffers) -> (Vec<u8>, f32) {
+    let (image, white) = picture(page);
+    (png(&image), white)
+}
+
+/// The preview, made smaller where it is larger than `side`.
+pub(super) fn thumbnail(page: &PageBuffers, side: u32) -> Vec<u8> {
+    let (image, _) = picture(page);
+    if image.width().max(image.height()) <= side {
+        return png(&image);
+    }
+    let scale = f64::from(side) / f64::from(image.width().max(image.height()));
+    let shrink = |size: u32| ((f64::from(size) * scale) as u32).max(1);
+    png(&image::imageops::thumbnail(&image, shrink(image.width()), shrink(image.height())))
+}
+
+/// The total with the 99th percentile of luminance over baked texels as white; returns that irradiance too.
+fn picture(page: &PageBuffers) -> (image::RgbImage, f32) {
     let totals = totals(page);
     let good = (0..totals.len()).filter(|&index| page.validity[index] == Validity::Good);
     let mut levels: Vec<f32> = good.map(|index| luminance(totals[index])).collect();
@@ -49,10 +66,13 @@ pub(super) fn preview(page: &PageBuffers) -> (Vec<u8>, f32) {
     let white = levels.get(levels.len().saturating_sub(1) * 99 / 100).copied().filter(|&white| white > 0.0);
     let white = white.unwrap_or(1.0);
     let texels = totals.iter().flat_map(|total| (*total / white).to_array().map(srgb)).collect();
-    let image = image::RgbImage::from_raw(page.width, page.height, texels).expect("three bytes a texel");
-    let mut png = std::io::Cursor::new(Vec::new());
-    image.write_to(&mut png, image::ImageFormat::Png).expect("memory takes a PNG");
-    (png.into_inner(), white)
+    (image::RgbImage::from_raw(page.width, page.height, texels).expect("three bytes a texel"), white)
+}
+
+fn png(image: &image::RgbImage) -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image.write_to(&mut bytes, image::ImageFormat::Png).expect("memory takes a PNG");
+    bytes.into_inner()
 }
 
 /// sRGB transfer function to 8 bits (IEC 61966-2-1).

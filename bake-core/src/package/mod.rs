@@ -12,7 +12,7 @@ use crate::atlas::Atlas;
 use crate::scene::Scene;
 use crate::solve::buffers::{PageBuffers, Validity};
 use bake_formats::error::Result;
-use bake_formats::float_image::PixelFormat;
+use bake_formats::float_image::{FloatImage, PixelFormat};
 use bake_formats::manifest::{EnvironmentRecord, ErrorEstimate, Manifest, PageRecord, Settings, Source};
 use bake_formats::{PackageWriter, Term};
 use glam::Vec3;
@@ -28,6 +28,8 @@ pub struct Bake<'a> {
     pub atlas: &'a Atlas,
     /// One a page of the atlas, after post-processing.
     pub pages: &'a [PageBuffers],
+    /// The same before post-processing, when they are to be kept.
+    pub raw: Option<&'a [PageBuffers]>,
 }
 
 /// What the manifest says about how it was baked.
@@ -56,7 +58,8 @@ pub fn write(folder: &Path, bake: Bake, record: &Record) -> Result<PathBuf> {
     let mut writer = PackageWriter::create(folder, &bake.scene.name)?;
     let mut manifest = Manifest::new(&bake.scene.name, record.source.clone(), Settings::new(record.settings.clone()));
     for (index, page) in bake.pages.iter().enumerate() {
-        manifest.pages.push(write_page(&mut writer, index, page, record.pixels)?);
+        let raw = bake.raw.map(|pages| &pages[index]);
+        manifest.pages.push(write_page(&mut writer, index, page, raw, record.pixels)?);
     }
     let (baked, instances) = baked::scene(bake, &manifest.pages, lights::records(&bake.scene.lights));
     let path = folder.join(writer.file_name("baked.glb"));
@@ -73,14 +76,22 @@ pub fn write(folder: &Path, bake: Bake, record: &Record) -> Result<PathBuf> {
     writer.finish(manifest)
 }
 
-fn write_page(writer: &mut PackageWriter, index: usize, page: &PageBuffers, pixels: PixelFormat) -> Result<PageRecord> {
-    let lightmap = writer.add_image(&format!("lightmap.{index:02}.exr"), &images::lightmap(page), pixels)?;
-    let terms = writer.add_image(&format!("terms.{index:02}.exr"), &images::terms(page), pixels)?;
-    let sh1 = match images::sh1(page) {
-        Some(image) => Some(writer.add_image(&format!("sh1.{index:02}.exr"), &image, pixels)?),
-        None => None,
-    };
-    Ok(PageRecord { width: page.width, height: page.height, lightmap, terms, sh1 })
+fn write_page(
+    writer: &mut PackageWriter,
+    index: usize,
+    page: &PageBuffers,
+    raw: Option<&PageBuffers>,
+    pixels: PixelFormat,
+) -> Result<PageRecord> {
+    let mut add = |kind: &str, image: FloatImage| writer.add_image(&format!("{kind}.{index:02}.exr"), &image, pixels);
+    Ok(PageRecord {
+        width: page.width,
+        height: page.height,
+        lightmap: add("lightmap", images::lightmap(page))?,
+        terms: add("terms", images::terms(page))?,
+        sh1: images::sh1(page).map(|image| add("sh1", image)).transpose()?,
+        raw: raw.map(|raw| add("raw", images::terms(raw))).transpose()?,
+    })
 }
 
 fn terms(pages: &[PageBuffers]) -> Vec<Term> {
@@ -98,6 +109,11 @@ fn environment(scene: &Scene) -> Option<EnvironmentRecord> {
     }
     let size = [environment.width, environment.height];
     Some(EnvironmentRecord { size, rotation: environment.rotation, mean_radiance: sum / total })
+}
+
+/// 8-bit sRGB PNG of a page's total irradiance, at most `side` texels wide and high, for reports.
+pub fn thumbnail(page: &PageBuffers, side: u32) -> Vec<u8> {
+    images::thumbnail(page, side)
 }
 
 /// Rec.709 luminance of a linear colour (ITU-R BT.709-6, section 3.2).
