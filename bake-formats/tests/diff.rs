@@ -26,7 +26,7 @@ fn package(folder: &Path, level: f32, odd: f32, size: [u32; 2]) -> Package {
     let source = Source { file: "p.glb".into(), blake3: String::new() };
     let mut manifest = Manifest::new("p", source, Settings::new(serde_json::Value::Null));
     manifest.terms = vec![Term::Direct];
-    manifest.pages.push(PageRecord { width, height, lightmap, terms, sh1: None });
+    manifest.pages.push(PageRecord { width, height, lightmap, terms, sh1: None, raw: None });
     writer.finish(manifest).unwrap();
     Package::open(folder).unwrap()
 }

@@ -128,7 +128,7 @@ fn write_scene(folder: &Path, scene: &Scene, pixels: PixelFormat) -> Package {
         reproducible: true,
         pixels,
     };
-    write(folder, Bake { scene, atlas: &atlas, pages: &pages }, &record).unwrap();
+    write(folder, Bake { scene, atlas: &atlas, pages: &pages, raw: None }, &record).unwrap();
     Package::open(folder).unwrap()
 }
 
