@@ -47,7 +47,8 @@ fn written() -> Value {
     manifest.instances = vec![InstanceRecord { baked_node: 0, node: 7, path, name, page: 0, uv_offset, uv_scale }];
     let (file, origin, spacing) = (lightmap.clone(), Vec3::ZERO, Vec3::ONE);
     manifest.probes = Some(ProbeGrid { file, origin, spacing, count: [2, 1, 1] });
-    manifest.pages = vec![PageRecord { width: 1, height: 1, sh1: Some(terms.clone()), raw: Some(terms.clone()), lightmap, terms }];
+    manifest.pages =
+        vec![PageRecord { width: 1, height: 1, sh1: Some(terms.clone()), raw: Some(terms.clone()), lightmap, terms }];
     let path = writer.finish(manifest).unwrap();
     serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
 }

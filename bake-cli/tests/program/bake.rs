@@ -130,3 +130,8 @@ pub fn gltf(facing: f32) -> String {
     })
     .to_string()
 }
+
+/// Whether a file of a package holds measurements: the two that lie outside the same-bits rule.
+pub fn holds_measurements(name: &str) -> bool {
+    name.ends_with(".run.json") || name.ends_with(".report.html")
+}

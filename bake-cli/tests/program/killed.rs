@@ -1,6 +1,6 @@
 //! The program killed while it writes: nothing half-written, and the next bake clears up.
 
-use crate::bake::Desk;
+use crate::bake::{Desk, holds_measurements};
 use bake_formats::{FormatError, Package};
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -10,12 +10,12 @@ const BAKE: &str = "run room.glb --samples 4 --page-size 256 --max-pages 1 -q -o
 
 type Files = BTreeMap<String, Vec<u8>>;
 
-/// Hashed files and manifest under final names.
+/// Hashed files and manifest under final names: all but the two that hold measurements.
 fn finished(desk: &Desk) -> Files {
     let entries = std::fs::read_dir(desk.path("out")).expect("the package's folder");
     let files = entries.map(|entry| entry.expect("readable").path());
     let named = files.map(|path| (path.file_name().expect("named").to_string_lossy().into_owned(), path));
-    let kept = named.filter(|(name, _)| !name.starts_with(".bake-") && !name.ends_with(".run.json"));
+    let kept = named.filter(|(name, _)| !name.starts_with(".bake-") && !holds_measurements(name));
     kept.map(|(name, path)| (name, std::fs::read(path).expect("readable"))).collect()
 }
 

@@ -1,6 +1,6 @@
 //! `bake run` and `bake plan` from scene to package: what is written, what repeats, and what never lies half-written.
 
-use crate::bake::{Desk, Ended, gltf};
+use crate::bake::{Desk, Ended, gltf, holds_measurements};
 use bake_formats::{Package, Term};
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
@@ -17,7 +17,7 @@ fn package_bytes(desk: &Desk, folder: &str) -> BTreeMap<String, Vec<u8>> {
         let name = file.file_name().into_string().expect("our names are plain");
         (name, std::fs::read(file.path()).expect("readable"))
     });
-    named.filter(|(name, _)| !name.ends_with(".run.json")).collect()
+    named.filter(|(name, _)| !holds_measurements(name)).collect()
 }
 
 #[test]
@@ -53,6 +53,20 @@ fn json_holds_the_same_report() {
         .map(|line| serde_json::from_str(line).expect("one object a line"))
         .collect();
     assert!(stages.iter().any(|line| line["stage"] == "trace" && line["done"] == line["total"]), "{}", ended.err);
+}
+
+#[test]
+fn the_report_stands_alone_and_raw_pages_are_kept_when_asked() {
+    let desk = Desk::with_room();
+    desk.bake(&format!("run room.glb {SMALL} -q -o out --keep-raw")).expect(0, &[]);
+    let report = std::fs::read_to_string(desk.path("out/room.report.html")).expect("written");
+    for part in ["data:image/png;base64,iVBOR", "Where the seconds went", "trace", "reflected light"] {
+        assert!(report.contains(part), "no {part}");
+    }
+    assert!(!report.contains("http"), "the report must not need a network");
+    assert!(desk.path("out/room.raw.00.exr").exists());
+    desk.bake(&format!("run room.glb {SMALL} -q -o plain")).expect(0, &[]);
+    assert!(!desk.path("plain/room.raw.00.exr").exists());
 }
 
 #[test]

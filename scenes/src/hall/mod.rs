@@ -37,7 +37,8 @@ const PENDANT: [f64; 3] = [900.0, 640.0, 360.0];
 const SETTINGS: &str = "\
 // Evening: a low sun through the right-hand windows, and the sky's blue. Coarse, so that it bakes in minutes on two cores.
 Bake(
-    texels_per_m: 10,
+    texels_per_m: 8,
+    samples: 256,
     sky: (1000, 1350, 2100),
     sun: Sun(azimuth_deg: 78, elevation_deg: 22, lux: 38000, colour: (1, 0.76, 0.5), angular_diameter_deg: 0.53),
 )
