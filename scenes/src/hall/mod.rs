@@ -38,7 +38,7 @@ const SETTINGS: &str = "\
 // Evening: a low sun through the right-hand windows, and the sky's blue. Coarse, so that it bakes in minutes on two cores.
 Bake(
     texels_per_m: 8,
-    samples: 256,
+    samples: 512,
     sky: (1000, 1350, 2100),
     sun: Sun(azimuth_deg: 78, elevation_deg: 22, lux: 38000, colour: (1, 0.76, 0.5), angular_diameter_deg: 0.53),
 )
