@@ -80,7 +80,7 @@ pub struct SettingsFlags {
     /// Unlit materials: black (only block light), reflect, emit=CD_PER_M2 [default: black]
     #[arg(hide = true, long, value_name = "HOW", help_heading = "Light", value_parser = values::unlit)]
     unlit: Option<Unlit>,
-    /// Air: sigma_t=0.5,albedo=0.9[,g=0.3,bounds=x0:y0:z0:x1:y1:z1], channels as 0.5/0.4/0.3
+    /// Air: sigma_t=0.5,albedo=0.9[,g=0.3,bounds=x0:y0:z0:x1:y1:z1], channels as 0.5/0.4/0.3; none
     #[arg(long = "fog", value_name = "RECORD", help_heading = "Light", value_parser = values::optional(values::fog))]
     media: Option<Given<Vec<Medium>>>,
 
@@ -123,7 +123,10 @@ impl SettingsFlags {
         set(&mut settings.bake_instanced, flags.bake_instanced);
         set(&mut settings.scene, flags.scene);
         self.apply_light(settings);
-        set(&mut settings.media, flags.media);
+        // `none` is air without media, not the glTF file's.
+        if let Some(Given(media)) = flags.media {
+            settings.media = Some(media.unwrap_or_default());
+        }
         set(&mut settings.probes, flags.probes);
         set(&mut settings.sh1, flags.sh1);
         set(&mut settings.half, flags.half);

@@ -5,6 +5,7 @@ use crate::exit::Failure;
 use crate::input::Input;
 use crate::progress::Progress;
 use crate::report::Stopwatch;
+use bake_core::air::{self, Air, AirError};
 use bake_core::atlas::{self, Atlas, AtlasError};
 use bake_core::progress::Progress as _;
 use bake_core::scene::{self, Scene};
@@ -16,6 +17,8 @@ pub struct Job {
     pub settings: Settings,
     /// The checked scene.
     pub scene: Scene,
+    /// The air in it.
+    pub air: Air,
     /// Its layout.
     pub atlas: Atlas,
     /// What the user should know.
@@ -31,6 +34,8 @@ impl Job {
         let loaded = stopwatch.time("load", || scene::load(&input.file, &settings.load_options()));
         let (mut scene, warnings) = loaded.map_err(Failure::invalid)?;
         let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+        let (air, notes) = stopwatch.time("air", || air::resolve(&settings, &mut scene))?;
+        warnings.extend(notes.iter().map(ToString::to_string));
         let unused = settings.choose_lightmapped(&mut scene);
         warnings.extend(unused.iter().map(|key| unknown_node(key, &scene)));
         stop_if_interrupted(progress)?;
@@ -47,7 +52,16 @@ impl Job {
         let already_told = |note: &atlas::AtlasWarning| matches!(note, atlas::AtlasWarning::UnknownNode { .. });
         warnings.extend(notes.iter().filter(|note| !already_told(note)).map(ToString::to_string));
         stop_if_interrupted(progress)?;
-        Ok(Self { settings, scene, atlas, warnings })
+        Ok(Self { settings, scene, air, atlas, warnings })
+    }
+}
+
+impl From<AirError> for Failure {
+    fn from(error: AirError) -> Self {
+        match error {
+            AirError::Settings(error) => error.into(),
+            error => Self::invalid(error),
+        }
     }
 }
 
@@ -64,9 +78,6 @@ pub fn stop_if_interrupted(progress: &Progress) -> Result<(), Failure> {
 
 /// Settings that are understood, and whose effect is not built.
 fn refuse_later(settings: &Settings) -> Result<(), Failure> {
-    if settings.media.as_ref().is_some_and(|media| !media.is_empty()) {
-        return Err(later::refuse("fog (`media`, `--fog`)"));
-    }
     if settings.probes.is_some() {
         return Err(later::refuse("a probe grid (`probes`)"));
     }

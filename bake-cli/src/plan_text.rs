@@ -1,6 +1,7 @@
 //! A plan as people read it.
 
 use crate::units;
+use bake_core::air::{Extent, Summary};
 use bake_core::plan::Plan;
 use std::fmt::Write;
 
@@ -27,6 +28,9 @@ pub fn text(name: &str, plan: &Plan) -> String {
     let atlas = &plan.atlas;
     let page = atlas.pages.first().map(|[width, height]| format!(" of {width} × {height}")).unwrap_or_default();
     line("pages", format!("{}{page}, {} texels in {} charts", atlas.pages.len(), atlas.texels, atlas.charts));
+    for medium in &plan.media {
+        line("medium", medium_text(medium));
+    }
     for effect in &plan.effects {
         let state = if effect.on { "on " } else { "off" };
         line("effect", format!("{state} {:<24} {}", effect.name, effect.why));
@@ -52,4 +56,46 @@ pub fn text(name: &str, plan: &Plan) -> String {
     );
     line("memory", format!("{}, roughly", units::bytes(cost.memory_bytes)));
     text
+}
+
+/// A medium in two lines.
+fn medium_text(medium: &Summary) -> String {
+    let path = |path: Option<f64>| path.map_or("endless".into(), |path| format!("{} m", number(path)));
+    format!(
+        "{}: {}, {}, {} (g {})\n{:<9} mean free path {}, optical depth {} across the scene, albedo {}",
+        medium.name,
+        extent_text(&medium.bounds),
+        medium.density,
+        medium.phase,
+        number(medium.g),
+        "",
+        channels(medium.mean_free_path_m, path),
+        channels(medium.optical_depth, number),
+        channels(medium.albedo, number)
+    )
+}
+
+fn extent_text(extent: &Extent) -> String {
+    let point = |p: &[f64]| p.iter().map(|&x| number(x)).collect::<Vec<_>>().join(" ");
+    match extent.corners {
+        None => extent.shape.into(),
+        Some([min, max]) => format!("{} ({}) to ({}) m", extent.shape, point(min.as_ref()), point(max.as_ref())),
+    }
+}
+
+/// One value where the channels agree, else three.
+fn channels<T: PartialEq + Copy>(values: [T; 3], text: impl Fn(T) -> String) -> String {
+    let [r, g, b] = values;
+    if r == g && g == b { text(r) } else { values.map(text).join(" / ") }
+}
+
+/// Four digits, with an exponent only where a number is far from one.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if value != 0.0 && !(1e-3..1e5).contains(&size) {
+        return format!("{value:.2e}");
+    }
+    let digits = if size < 1.0 { 4 } else { (3 - size.log10() as i32).max(0) as usize };
+    let text = format!("{value:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
 }

@@ -4,6 +4,7 @@
 //! → [`solve`] (light, through [`trace`]) → [`post`] (seams, dilation) → a package of `bake-formats`.
 //! The crate is silent: progress and warnings leave as values; it knows no command line, window or GPU.
 
+pub mod air;
 pub mod atlas;
 pub mod fingerprint;
 pub mod package;

@@ -1,5 +1,6 @@
 //! What a bake will simulate and why, and what that will take: derived from scene, settings and atlas before any ray.
 
+use crate::air::{self, Air};
 use crate::atlas::Atlas;
 use crate::scene::{AlphaMode, LightKind, Material, Scene};
 use crate::settings::Settings;
@@ -11,6 +12,8 @@ use serde::Serialize;
 pub struct Plan {
     /// Every effect that the program knows, on or off.
     pub effects: Vec<Effect>,
+    /// The air.
+    pub media: Vec<air::Summary>,
     /// What the scene consists of.
     pub scene: SceneSize,
     /// What will be written.
@@ -87,7 +90,7 @@ const RAYS_PER_SECOND: f64 = 1e6;
 
 impl Plan {
     /// Derives the plan.
-    pub fn derive(scene: &Scene, settings: &Settings, atlas: &Atlas, threads: usize) -> Self {
+    pub fn derive(scene: &Scene, air: &Air, settings: &Settings, atlas: &Atlas, threads: usize) -> Self {
         let texels = atlas.pages.iter().map(|page| page.texels.len()).sum();
         let size = AtlasSize {
             pages: atlas.pages.iter().map(|page| [page.width, page.height]).collect(),
@@ -95,7 +98,8 @@ impl Plan {
             charts: atlas.layouts.iter().map(|layout| layout.charts).sum(),
         };
         Self {
-            effects: effects(scene, settings),
+            effects: effects(scene, air, settings),
+            media: air.summaries(),
             scene: scene_size(scene, atlas),
             cost: cost(scene, settings, atlas, texels, threads),
             atlas: size,
@@ -103,7 +107,7 @@ impl Plan {
     }
 }
 
-fn effects(scene: &Scene, settings: &Settings) -> Vec<Effect> {
+fn effects(scene: &Scene, air: &Air, settings: &Settings) -> Vec<Effect> {
     let near = scene.lights.iter().filter(|light| !matches!(light.kind, LightKind::Directional { .. })).count();
     let materials = |name, test: fn(&Material) -> bool| {
         Effect::counted(name, scene.materials.iter().filter(|material| test(material)).count(), "material")
@@ -125,15 +129,19 @@ fn effects(scene: &Scene, settings: &Settings) -> Vec<Effect> {
         materials("transmission", |m| m.transmission > 0.0),
         materials("diffuse transmission", |m| m.diffuse_transmission > 0.0),
         materials("absorption in volumes", |m| m.volume_sigma_a != Vec3::ZERO),
-        Effect::counted("fog", 0, "medium"),
+        Effect::counted("fog", air.names.len(), "medium"),
     ]
 }
 
 impl Effect {
     /// On where there is at least one of what it takes.
     fn counted(name: &'static str, count: usize, what: &str) -> Self {
-        let plural = if count > 1 { "s" } else { "" };
-        let why = if count == 0 { format!("no {what}") } else { format!("{count} {what}{plural}") };
+        let plural = match what {
+            "medium" if count > 1 => "media".into(),
+            what if count > 1 => format!("{what}s"),
+            what => what.to_owned(),
+        };
+        let why = if count == 0 { format!("no {what}") } else { format!("{count} {plural}") };
         Self { name, on: count > 0, why }
     }
 }
@@ -148,20 +156,8 @@ fn scene_size(scene: &Scene, atlas: &Atlas) -> SceneSize {
         instanced_triangles: scene.instances.iter().map(|instance| triangles_of(instance.mesh)).sum(),
         materials: scene.materials.len(),
         lights: scene.lights.len(),
-        bounds: bounds(scene),
+        bounds: scene.bounds(),
     }
-}
-
-/// The box around all placed vertices.
-fn bounds(scene: &Scene) -> [Vec3; 2] {
-    let mut bounds = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-    for instance in &scene.instances {
-        for position in &scene.meshes[instance.mesh as usize].positions {
-            let world = instance.world_from_object.transform_point3(*position);
-            bounds = [bounds[0].min(world), bounds[1].max(world)];
-        }
-    }
-    bounds
 }
 
 fn cost(scene: &Scene, settings: &Settings, atlas: &Atlas, texels: usize, threads: usize) -> Cost {

@@ -1,6 +1,7 @@
 //! `bake run`: the main job, from a scene file to a package on disk.
 
 use crate::cli::Global;
+use crate::commands::later;
 use crate::exit::{Failure, Outcome};
 use crate::flags::RARE;
 use crate::input::{HELP_TEMPLATE, Input};
@@ -52,10 +53,13 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
 fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, Failure> {
     let mut stopwatch = Stopwatch::default();
     let mut job = Job::prepare(&args.input, progress, &mut stopwatch)?;
+    if !job.air.is_empty() {
+        return Err(later::refuse("a bake with fog (`media`, `--fog`)"));
+    }
     // An output that cannot be written is told before hours of tracing, not after.
     let folder = args.output.clone().unwrap_or_else(|| args.input.file.with_extension("bake"));
     let output = Output::open(&folder, &job.scene.name)?;
-    let plan = Plan::derive(&job.scene, &job.settings, &job.atlas, rayon::current_num_threads());
+    let plan = Plan::derive(&job.scene, &job.air, &job.settings, &job.atlas, rayon::current_num_threads());
     tell(global, progress, &job, &plan);
 
     let mut lightmap = trace(&job, progress, &mut stopwatch)?;

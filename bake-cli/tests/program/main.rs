@@ -1,5 +1,6 @@
 //! The program as its users meet it: the built binary, files in, exit code and files out.
 
+mod air;
 mod bake;
 mod killed;
 mod run;

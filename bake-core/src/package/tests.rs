@@ -72,6 +72,7 @@ fn scene() -> Scene {
         images: vec![Arc::new(image)],
         lights: vec![Light { path: "lamp".into(), color: Vec3::new(10.0, 5.0, 0.0), kind: spot }],
         environment: None,
+        ..Scene::default()
     }
 }
 

@@ -71,6 +71,7 @@ pub(super) struct Spot {
 pub(super) struct SceneRecord {
     pub name: Option<String>,
     pub nodes: Vec<u32>,
+    pub extras: Option<serde_json::Value>,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -2,7 +2,7 @@
 
 use super::accessor::Accessors;
 use super::buffers::Buffers;
-use super::document::Document;
+use super::document::{Document, SceneRecord};
 use super::error::{Fault, LoadError, Place, Refusal, lookup};
 use super::files::{self, Files};
 use super::image::Images;
@@ -11,8 +11,11 @@ use super::nodes::{self, Placed};
 use super::options::LoadOptions;
 use super::primitive::Source;
 use super::warning::{Warning, WarningKind, Warnings};
-use super::{Instance, Material, Mesh, Scene, container, environment, extensions, light, mesh, references};
+use super::{
+    Instance, Material, MediaExtras, Mesh, Scene, container, environment, extensions, light, mesh, references,
+};
 use glam::{Affine3A, DAffine3, DVec3, Vec3};
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -54,7 +57,8 @@ fn build(bytes: &[u8], path: &Path, options: &LoadOptions, warnings: &mut Warnin
     let scene_index = nodes::choose(&document, options.scene.as_ref())?;
     let placed = nodes::flatten(&document, scene_index, &files.geometry)?;
     let source = Source { document: &document, accessors: &accessors, buffers: &buffers, files: &files };
-    let mut scene = Scene { name: stem(path), ..Scene::default() };
+    let media_extras = media_extras(&document.scenes[scene_index], path);
+    let mut scene = Scene { name: stem(path), media_extras, ..Scene::default() };
     let slots = load_meshes(&source, &placed, &mut scene, warnings)?;
     place_instances(&source, &placed, &slots, options, &mut scene, warnings)?;
     if scene.instances.is_empty() {
@@ -92,6 +96,15 @@ fn parse(json: &[u8]) -> Result<Document, (String, Fault)> {
 
 fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned())
+}
+
+/// What the scene says about the air. Editors whose custom properties hold only text write the record as a string.
+fn media_extras(record: &SceneRecord, path: &Path) -> Option<MediaExtras> {
+    let json = match record.extras.as_ref()?.get("bake_media")? {
+        Value::String(json) => json.clone(),
+        record => record.to_string(),
+    };
+    Some(MediaExtras { json, folder: path.parent().map(Path::to_owned).unwrap_or_default() })
 }
 
 /// Loads the meshes that nodes place; returns where each mesh of the document went.

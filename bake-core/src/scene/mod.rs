@@ -34,6 +34,7 @@ pub use warning::{Warning, WarningKind};
 
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use std::ops::Range;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Everything that the bake knows about the world.
@@ -53,6 +54,17 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Light from infinitely far away, if any.
     pub environment: Option<Environment>,
+    /// What the glTF scene says about the air.
+    pub media_extras: Option<MediaExtras>,
+}
+
+/// `extras.bake_media` of a glTF scene, as it stands there.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MediaExtras {
+    /// JSON.
+    pub json: String,
+    /// Folder of the scene file, to which file names are relative.
+    pub folder: PathBuf,
 }
 
 /// Triangles in object space. Vertex arrays have equal length; absent attributes are filled with their glTF default.
@@ -306,6 +318,23 @@ pub struct Environment {
 }
 
 impl Scene {
+    /// Lowest and highest corner of the box around all placed vertices, metres; turned inside out where there are none.
+    pub fn bounds(&self) -> [Vec3; 2] {
+        self.bounds_of(|_| true)
+    }
+
+    /// The same of some of the instances.
+    pub fn bounds_of(&self, some: impl Fn(&Instance) -> bool) -> [Vec3; 2] {
+        let mut bounds = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        for instance in self.instances.iter().filter(|instance| some(instance)) {
+            for position in &self.meshes[instance.mesh as usize].positions {
+                let world = instance.world_from_object.transform_point3(*position);
+                bounds = [bounds[0].min(world), bounds[1].max(world)];
+            }
+        }
+        bounds
+    }
+
     /// The material of an instance's triangle.
     pub fn material_at(&self, instance: u32, triangle: u32) -> &Material {
         let mesh = &self.meshes[self.instances[instance as usize].mesh as usize];

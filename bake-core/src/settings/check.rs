@@ -13,7 +13,7 @@ impl Settings {
         self.check_atlas()?;
         self.check_light()?;
         for (index, medium) in self.media.iter().flatten().enumerate() {
-            medium.check(&format!("media[{index}]"))?;
+            medium.check(index)?;
         }
         if let Some(probes) = self.probes {
             range("probes.spacing_m", probes.spacing_m, 0.01..=1e4)?;
@@ -67,8 +67,9 @@ impl Settings {
 }
 
 impl Medium {
-    /// Judges every value; `key` is the path to the record.
-    fn check(&self, key: &str) -> Check {
+    /// Judges every value of the medium at `index`.
+    pub(crate) fn check(&self, index: usize) -> Check {
+        let key = &self.key(index);
         self.check_bounds(&format!("{key}.bounds"))?;
         self.check_density(&format!("{key}.density"))?;
         match &self.scatter {
@@ -84,6 +85,11 @@ impl Medium {
         self.check_phase(&format!("{key}.phase"))
     }
 
+    /// Path to the record in messages: by its name where it has one.
+    fn key(&self, index: usize) -> String {
+        if self.name.is_empty() { format!("media[{index}]") } else { format!("media[\"{}\"]", self.name) }
+    }
+
     fn check_bounds(&self, key: &str) -> Check {
         match &self.bounds {
             Bounds::Box { min, max } => {
@@ -97,8 +103,8 @@ impl Medium {
                 range(&format!("{key}.radius"), *radius, 1e-6..=1e9)
             }
             Bounds::Unbounded => match self.density {
-                Density::Exponential { .. } | Density::Planet { .. } => Ok(()),
-                _ => Err(refusal(key, "Unbounded", "that only with the densities Exponential and Planet")),
+                Density::Exponential { .. } | Density::Planet { .. } | Density::Grid { .. } => Ok(()),
+                _ => Err(refusal(key, "Unbounded", "that only with the densities Exponential, Planet and Grid")),
             },
             Bounds::Scene | Bounds::Node(_) => Ok(()),
         }
@@ -106,7 +112,10 @@ impl Medium {
 
     fn check_density(&self, key: &str) -> Check {
         match &self.density {
-            Density::Uniform | Density::Grid { .. } => Ok(()),
+            Density::Uniform => Ok(()),
+            Density::Grid { size, .. } => {
+                size.iter().flatten().try_for_each(|&points| range(&format!("{key}.size"), points, 1..=1 << 20))
+            }
             Density::Linear { zero_m, slope_per_m } => {
                 range(&format!("{key}.zero_m"), *zero_m, -1e9..=1e9)?;
                 range(&format!("{key}.slope_per_m"), *slope_per_m, -1e6..=1e6)

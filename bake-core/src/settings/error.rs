@@ -30,8 +30,15 @@ pub enum SettingsError {
         allowed: String,
     },
     /// `extras.bake_media` of the scene file is no list of media.
-    #[error("scene extras `bake_media`: {0}")]
-    Extras(serde_json::Error),
+    #[error(
+        "the scene's extras: `bake_media{at}` is no medium as a settings file has it: {source}; correct it or state `media` in the settings"
+    )]
+    Extras {
+        /// Path to the place.
+        at: String,
+        /// What is wrong there.
+        source: serde_json::Error,
+    },
 }
 
 /// A fault in the text of a settings file.

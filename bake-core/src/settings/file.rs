@@ -1,5 +1,7 @@
 //! Reading settings: the side file `SCENE.bake.ron`, and media in the extras of a glTF scene.
 
+use crate::scene::MediaExtras;
+
 use super::{Medium, Settings, SettingsError, Syntax};
 use ron::extensions::Extensions;
 use std::path::{Path, PathBuf};
@@ -27,14 +29,25 @@ pub(super) fn parse(file: &Path, text: String) -> Result<Settings, SettingsError
     options.from_str(&text).map_err(|error| SettingsError::Syntax(Box::new(Syntax::new(file, text, &error))))
 }
 
+/// Media of a glTF scene's extras; file names come out relative to where the program runs. Values are not judged yet.
+pub(crate) fn media_of_scene(extras: &MediaExtras) -> Result<Vec<Medium>, SettingsError> {
+    let mut media = from_json(&extras.json)?;
+    media.iter_mut().flat_map(Medium::files_mut).for_each(|file| *file = extras.folder.join(&*file));
+    Ok(media)
+}
+
 /// Media as a glTF scene's `extras.bake_media` holds them: the settings file's records as JSON.
 pub fn from_json(json: &str) -> Result<Vec<Medium>, SettingsError> {
-    serde_json::from_str(json).map_err(SettingsError::Extras)
+    let mut parser = serde_json::Deserializer::from_str(json);
+    serde_path_to_error::deserialize(&mut parser).map_err(|error| {
+        let at = error.path().to_string();
+        SettingsError::Extras { at, source: error.into_inner() }
+    })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Density, Env, LightUnits, Phase, Quality};
+    use super::super::{Density, Env, LightUnits, Phase, Place, Quality, Values};
     use super::*;
 
     fn fault(text: &str) -> Syntax {
@@ -106,7 +119,17 @@ mod tests {
         assert_eq!(settings.ies["L"], Path::new("/abs/l.ies"));
         let medium = &settings.media.as_ref().expect("media")[0];
         assert_eq!(medium.phase, Phase::Table(folder.path().join("p.csv")));
-        assert_eq!(medium.density, Density::Grid { file: folder.path().join("s.vdb"), name: "d".into() });
+        assert_eq!(
+            medium.density,
+            Density::Grid {
+                file: folder.path().join("s.vdb"),
+                name: Some("d".into()),
+                size: None,
+                values: Values::F32,
+                place: Place::Auto,
+                z_up: false
+            }
+        );
     }
 
     #[test]

@@ -46,7 +46,7 @@ pub enum Bounds {
         /// Its radius.
         radius: f32,
     },
-    /// The bounding box of a node's meshes, which then are no surfaces.
+    /// The inside of the closed meshes of a node and all below it, by name or path; they then are no surfaces.
     Node(String),
 }
 
@@ -81,11 +81,50 @@ pub enum Density {
     },
     /// A voxel grid.
     Grid {
-        /// An OpenVDB file.
+        /// An OpenVDB fog volume, a KTX2 3-D texture, OpenEXR slices, or bare numbers; told apart by the first bytes.
         file: PathBuf,
-        /// Name of the grid in it.
-        name: String,
+        /// Name of the grid (OpenVDB) or channel (OpenEXR); needed where the file has several.
+        #[serde(default)]
+        name: Option<String>,
+        /// Points along x, y and z: of bare numbers, and of slices side by side in one image.
+        #[serde(default)]
+        size: Option<[u32; 3]>,
+        /// Type of bare numbers, little-endian.
+        #[serde(default)]
+        values: Values,
+        /// Where the grid lies.
+        #[serde(default)]
+        place: Place,
+        /// The grid's third axis points up, instead of its second.
+        #[serde(default)]
+        z_up: bool,
     },
+}
+
+/// Type of bare numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Values {
+    /// 32-bit floats.
+    #[default]
+    F32,
+    /// 16-bit floats.
+    F16,
+    /// 16-bit integers; 65535 is density 1.
+    U16,
+    /// Bytes; 255 is density 1.
+    U8,
+}
+
+/// Where a grid lies in the world.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Place {
+    /// Where its file says (OpenVDB), else filling the medium's bounds.
+    #[default]
+    Auto,
+    /// Where its file says.
+    File,
+    /// Filling the bounding box of the medium's bounds.
+    Fill,
 }
 
 /// Coefficients at density 1.

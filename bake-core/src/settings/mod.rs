@@ -12,8 +12,9 @@ mod stages;
 mod template;
 
 pub use error::{SettingsError, Syntax, suggest};
+pub(crate) use file::media_of_scene;
 pub use file::{from_json, read, sidecar};
-pub use media::{Bounds, Density, Medium, Phase, Scatter};
+pub use media::{Bounds, Density, Medium, Phase, Place, Scatter, Values};
 pub use template::TEMPLATE;
 
 use serde::{Deserialize, Serialize};
@@ -70,7 +71,7 @@ pub struct Settings {
     /// Instances of EXT_mesh_gpu_instancing take lightmaps too.
     pub bake_instanced: bool,
 
-    /// The air; what stands in the glTF file when absent.
+    /// The air; that of the glTF scene's `extras.bake_media` when absent, none when empty.
     pub media: Option<Vec<Medium>>,
     /// A grid of probes.
     pub probes: Option<Probes>,
@@ -132,7 +133,8 @@ impl Settings {
         fitting.max_by_key(|(key, _)| key.len()).map(|(_, node)| node)
     }
 
-    fn key_fits(key: &str, path: &str) -> bool {
+    /// Whether a path of node names contains the names of `key` in a row.
+    pub(crate) fn key_fits(key: &str, path: &str) -> bool {
         format!("/{path}/").contains(&format!("/{}/", key.trim_matches('/')))
     }
 

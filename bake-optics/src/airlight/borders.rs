@@ -6,12 +6,13 @@
 
 use glam::{DVec2, DVec3, DVec4};
 
+use crate::medium::mesh::ClosedMesh;
 use crate::medium::{Bounds, Density, Medium, Ray};
 
 /// Distances along `ray`, unsorted, at which the way to `lamp` has a kink or the ray crosses a border itself.
 pub(super) fn kinks(medium: &Medium, ray: &Ray, lamp: DVec3) -> Vec<f64> {
-    let clip = medium.bounds.clip(ray);
-    let mut found: Vec<f64> = clip.into_iter().flat_map(|(enter, leave)| [enter, leave]).collect();
+    let inside = medium.bounds.intervals(ray);
+    let mut found: Vec<f64> = inside.into_iter().flat_map(|(enter, leave)| [enter, leave]).collect();
     if let Density::Linear { zero_m, .. } = medium.density {
         found.push((zero_m - ray.origin.y) / ray.dir.y);
     }
@@ -21,6 +22,7 @@ pub(super) fn kinks(medium: &Medium, ray: &Ray, lamp: DVec3) -> Vec<f64> {
             Bounds::Sphere { centre, radius } => section.tangent_points(*centre, *radius),
             Bounds::Box { min, max } => section.vertices(&with_zero_level(box_planes(*min, *max), &medium.density)),
             Bounds::Hull(planes) => section.vertices(&with_zero_level(planes.to_vec(), &medium.density)),
+            Bounds::Mesh(mesh) => section.outline(mesh),
         };
         found.extend(corners.into_iter().filter_map(|corner| section.project(corner)));
     }
@@ -96,6 +98,21 @@ impl Section {
             }
         }
         vertices
+    }
+
+    /// Where the edges of a mesh pass through the plane.
+    fn outline(&self, mesh: &ClosedMesh) -> Vec<DVec2> {
+        let normal = self.along.cross(self.across);
+        let from_origin: Vec<DVec3> = mesh.positions().iter().map(|corner| *corner - self.origin).collect();
+        let edges = mesh.triangles().iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+        // Each edge is there both ways.
+        let met = edges.filter(|(a, b)| a < b).filter_map(|(a, b)| {
+            let (a, b) = (from_origin[a as usize], from_origin[b as usize]);
+            let (over_a, over_b) = (normal.dot(a), normal.dot(b));
+            let point = a + (b - a) * (over_a / (over_a - over_b));
+            ((over_a > 0.0) != (over_b > 0.0)).then(|| DVec2::new(point.dot(self.along), point.dot(self.across)))
+        });
+        met.collect()
     }
 
     /// Where lines from the lamp touch the circle that a ball leaves of the plane; none from within.

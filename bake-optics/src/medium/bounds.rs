@@ -1,11 +1,12 @@
-//! Where a medium ends: clipping a ray to a convex region.
+//! Where a medium ends: clipping a ray to a region.
 
 use glam::{DVec3, DVec4};
 use std::sync::Arc;
 
 use crate::medium::Ray;
+use crate::medium::mesh::{ClosedMesh, Intervals};
 
-/// A convex region of space.
+/// A region of space, convex but for meshes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Bounds {
     /// All of space.
@@ -27,28 +28,55 @@ pub enum Bounds {
     },
     /// The points x with n·x ≤ d for each plane (n, d), n a unit vector.
     Hull(Arc<[DVec4]>),
+    /// The inside of a closed mesh.
+    Mesh(Arc<ClosedMesh>),
 }
 
 impl Bounds {
-    /// Distances at which the ray enters and leaves, cut to [0, length]; `None` where it misses or only touches.
+    /// Distances at which the ray first enters and last leaves, cut to [0, length]; `None` where it misses or only touches.
+    /// Between them a ray may be outside of a mesh: see [`Bounds::intervals`].
     pub fn clip(&self, ray: &Ray) -> Option<(f64, f64)> {
         let (enter, leave) = match self {
             Self::Unbounded => (0.0, ray.length),
             Self::Box { min, max } => clip_box(ray, *min, *max),
             Self::Sphere { centre, radius } => clip_sphere(ray, *centre, *radius),
             Self::Hull(planes) => clip_planes(ray, planes.iter().map(|p| (p.truncate(), p.w))),
+            Self::Mesh(mesh) => {
+                let intervals = mesh.intervals(ray);
+                (intervals.first()?.0, intervals.last()?.1)
+            }
         };
         let (enter, leave) = (enter.max(0.0), leave.min(ray.length));
         (enter < leave).then_some((enter, leave))
     }
 
-    /// Whether a point lies inside or on the border.
+    /// The parts of the ray inside: ascending, apart, cut to [0, length]; at most one where the region is convex.
+    pub fn intervals(&self, ray: &Ray) -> Intervals {
+        match self {
+            Self::Mesh(mesh) => mesh.intervals(ray),
+            _ => self.clip(ray).into_iter().collect(),
+        }
+    }
+
+    /// Lowest and highest corner of the box around the region, metres; infinite where it has no end.
+    pub fn bounding_box(&self) -> [DVec3; 2] {
+        match self {
+            Self::Unbounded => [DVec3::NEG_INFINITY, DVec3::INFINITY],
+            Self::Box { min, max } => [*min, *max],
+            Self::Sphere { centre, radius } => [*centre - *radius, *centre + *radius],
+            Self::Hull(planes) => hull_box(planes),
+            Self::Mesh(mesh) => mesh.bounding_box(),
+        }
+    }
+
+    /// Whether a point lies inside or on the border (of a mesh: on the border either may come out).
     pub fn contains(&self, point: DVec3) -> bool {
         match self {
             Self::Unbounded => true,
             Self::Box { min, max } => point.cmpge(*min).all() && point.cmple(*max).all(),
             Self::Sphere { centre, radius } => point.distance_squared(*centre) <= radius * radius,
             Self::Hull(planes) => planes.iter().all(|p| p.truncate().dot(point) <= p.w),
+            Self::Mesh(mesh) => mesh.contains(point),
         }
     }
 }
@@ -72,6 +100,27 @@ fn clip_planes(ray: &Ray, planes: impl Iterator<Item = (DVec3, f64)>) -> (f64, f
         }
     }
     (enter, leave)
+}
+
+/// The box around the vertices, which are the points where three planes meet inside all others.
+fn hull_box(planes: &[DVec4]) -> [DVec3; 2] {
+    let size = planes.iter().map(|p| p.w.abs()).fold(0.0, f64::max);
+    let inside = |point: DVec3| planes.iter().all(|p| p.truncate().dot(point) <= p.w + 1e-9 * size);
+    let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    for (i, a) in planes.iter().enumerate() {
+        for (j, b) in planes.iter().enumerate().skip(i + 1) {
+            let along = a.truncate().cross(b.truncate());
+            for c in &planes[j + 1..] {
+                let determinant = along.dot(c.truncate());
+                let (bc, ca) = (b.truncate().cross(c.truncate()), c.truncate().cross(a.truncate()));
+                let vertex = (bc * a.w + ca * b.w + along * c.w) / determinant;
+                if determinant.abs() > 1e-9 && inside(vertex) {
+                    bounds = [bounds[0].min(vertex), bounds[1].max(vertex)];
+                }
+            }
+        }
+    }
+    bounds
 }
 
 /// Half chord from the distance centre–line by a cross product: |q|² − b² would cancel far from the ball.

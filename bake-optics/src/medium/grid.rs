@@ -72,6 +72,21 @@ impl DensityGrid {
         self.size
     }
 
+    /// The values, x fastest, then y, then z.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// The largest value; no density is larger.
+    pub fn largest(&self) -> f64 {
+        f64::from(self.values.iter().copied().fold(0.0, f32::max))
+    }
+
+    /// Its placement: the lattice point (i, j, k) lies at the image of these coordinates.
+    pub fn world_from_grid(&self) -> DAffine3 {
+        self.grid_from_world.inverse()
+    }
+
     /// The density at a world point.
     pub fn at(&self, point: DVec3) -> f64 {
         let local = self.grid_from_world.transform_point3(point);

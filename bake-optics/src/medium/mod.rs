@@ -15,6 +15,7 @@ pub mod grid;
 pub mod invert;
 pub mod linear;
 pub mod majorant;
+pub mod mesh;
 pub mod planet;
 mod ray;
 mod set;

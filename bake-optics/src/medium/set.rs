@@ -49,13 +49,23 @@ impl Medium {
 
     /// Integral of the density along the ray inside the bounds, metres at density 1.
     pub fn optical_length(&self, ray: &Ray) -> f64 {
-        self.bounds.clip(ray).map_or(0.0, |(enter, leave)| self.density.optical_length(&ray.part(enter, leave)))
+        let inside = self.bounds.intervals(ray);
+        inside.iter().map(|&(enter, leave)| self.density.optical_length(&ray.part(enter, leave))).sum()
     }
 
     /// Distance from the ray's start after which the optical length reaches `target`; infinite where it does not.
     pub fn free_path(&self, ray: &Ray, target: f64) -> f64 {
-        let inside = |(enter, leave)| enter + self.density.free_path(&ray.part(enter, leave), target);
-        self.bounds.clip(ray).map_or(f64::INFINITY, inside)
+        let intervals = self.bounds.intervals(ray);
+        let mut rest = target;
+        for (index, &(enter, leave)) in intervals.iter().enumerate() {
+            let part = ray.part(enter, leave);
+            let distance = self.density.free_path(&part, rest);
+            if distance.is_finite() || index + 1 == intervals.len() {
+                return enter + distance;
+            }
+            rest -= self.density.optical_length(&part);
+        }
+        f64::INFINITY
     }
 }
 

@@ -1,0 +1,90 @@
+//! The air through the program: where it is stated, what `bake plan` says of it, and how faults are told.
+
+use crate::bake::{Desk, gltf};
+use serde_json::Value;
+
+/// The plan as JSON.
+fn plan(desk: &Desk, arguments: &str) -> Value {
+    let ended = desk.bake(&format!("--json plan room.glb {arguments}"));
+    ended.expect(0, &[]);
+    serde_json::from_str(&ended.out).expect("JSON")
+}
+
+#[test]
+fn the_plan_prints_each_medium() {
+    let desk = Desk::with_room();
+    let ended = desk.bake("plan room.glb --fog sigma_t=0.5/0.4/0.25,albedo=0.9,g=0.3,bounds=0:0:0:1:2:3");
+    ended.expect(0, &[]);
+    let flat = ended.out.split_whitespace().collect::<Vec<_>>().join(" ");
+    for part in [
+        "medium fog: box (0 0 0) to (1 2 3) m, uniform, Henyey-Greenstein (g 0.3)",
+        "mean free path 2 m / 2.5 m / 4 m",
+        "albedo 0.9",
+        "on fog 1 medium",
+    ] {
+        assert!(flat.contains(part), "`{part}` is not in:\n{}", ended.out);
+    }
+    let media = plan(&desk, "")["media"].clone();
+    assert_eq!(media, Value::Array(vec![]));
+}
+
+#[test]
+fn the_scenes_extras_are_media_unless_settings_or_flags_say_otherwise() {
+    let desk = Desk::new();
+    let record = r#"[{"name": "mist", "scatter": {"Look": {"mean_free_path_m": 2, "albedo": [1, 1, 1]}}}]"#;
+    let mut scene: Value = serde_json::from_str(&gltf(1.0)).expect("JSON");
+    scene["scenes"][0]["extras"] =
+        serde_json::json!({ "bake_media": serde_json::from_str::<Value>(record).expect("JSON") });
+    let names = |arguments: &str| {
+        let ended = desk.bake(&format!("--json plan room.gltf --sky 1 {arguments}"));
+        ended.expect(0, &[]);
+        let plan: Value = serde_json::from_str(&ended.out).expect("JSON");
+        plan["media"]
+            .as_array()
+            .expect("a list")
+            .iter()
+            .map(|m| m["name"].as_str().expect("text").to_owned())
+            .collect::<Vec<_>>()
+    };
+    desk.write("room.gltf", scene.to_string());
+    assert_eq!(names(""), ["mist"]);
+    assert_eq!(names("--fog sigma_t=1,albedo=1"), ["fog"]);
+    assert!(names("--fog none").is_empty());
+    desk.write("room.bake.ron", "Bake(media: [Medium(name: \"smoke\", scatter: Sigma(s: (1, 1, 1), a: (0, 0, 0)))])");
+    assert_eq!(names(""), ["smoke"]);
+    std::fs::remove_file(desk.path("room.bake.ron")).expect("removed");
+    // As text: what editors with plain custom properties write.
+    scene["scenes"][0]["extras"] = serde_json::json!({ "bake_media": record });
+    desk.write("room.gltf", scene.to_string());
+    assert_eq!(names(""), ["mist"]);
+    scene["scenes"][0]["extras"] = serde_json::json!({ "bake_media": record.replace("Look", "Lok") });
+    desk.write("room.gltf", scene.to_string());
+    desk.bake("plan room.gltf --sky 1").expect(2, &["bake_media", "Lok", "Look"]);
+}
+
+#[test]
+fn wrong_media_are_refused_before_anything_is_baked() {
+    let desk = Desk::with_room();
+    for (arguments, words) in [
+        ("plan room.glb --fog sigma_t=-1,albedo=1", ["media[\"fog\"].scatter.s", "-1"]),
+        ("plan room.glb --fog sigma_t=1,albedo=2", ["--fog", "0 to 1"]),
+        ("plan room.glb --fog sigma_t=1,albedo=1,g=1", ["media[\"fog\"].phase", "-0.999 to 0.999"]),
+        ("plan room.glb --fog sigma_t=1,albedo=1,bounds=0:0:0:0:1:1", ["media[\"fog\"].bounds", "min below max"]),
+    ] {
+        desk.bake(arguments).expect(2, &words);
+    }
+    desk.write(
+        "room.bake.ron",
+        "Bake(media: [Medium(name: \"mist\", bounds: Node(\"none\"), scatter: Sigma(s: (1, 1, 1), a: (0, 0, 0)))])",
+    );
+    desk.bake("plan room.glb").expect(2, &["mist", "no node `none`"]);
+}
+
+#[test]
+fn air_that_swallows_the_sun_is_a_warning() {
+    let desk = Desk::with_room();
+    let sun = "--sun azimuth_deg=0,elevation_deg=45,lux=1000";
+    let ended = desk.bake(&format!("plan room.glb {sun} --fog sigma_t=10,albedo=1,bounds=-50:-50:-50:50:50:50"));
+    ended.expect(0, &["warning", "lets", "through"]);
+    desk.bake(&format!("plan room.glb {sun} --fog sigma_t=0.01,albedo=1,bounds=-50:-50:-50:50:50:50")).expect(0, &[]);
+}
