@@ -98,7 +98,8 @@ fn trace(job: &Job, progress: &Progress, stopwatch: &mut Stopwatch) -> Result<Li
     let tracer = stopwatch.time("build trees", || Tracer::new(&job.scene));
     stop_if_interrupted(progress)?;
     let settings = job.settings.lightmap_settings();
-    let traced = stopwatch.time("trace", || solve::lightmap(&tracer, &job.atlas, &settings, progress));
+    let traced =
+        stopwatch.time("trace", || solve::lightmap(&tracer, &Default::default(), &job.atlas, &settings, progress));
     traced.map_err(|_| Failure::Interrupted)
 }
 

@@ -4,8 +4,10 @@
 //! the standard error. Rounds double the samples of every texel of a page until the target or the cap is reached.
 //! Results depend on scene, atlas, settings and seed alone, never on threads.
 
+mod air;
 pub mod buffers;
 pub mod emitters;
+pub mod media;
 pub mod path;
 pub mod sampler;
 pub mod texels;
@@ -14,10 +16,11 @@ pub mod warp;
 use crate::atlas::{Atlas, Page};
 use crate::progress::{Interrupted, Progress};
 use crate::trace::Tracer;
-use bake_formats::Term;
+use bake_optics::medium::MediumSet;
 use buffers::{PageBuffers, TermImage, Validity};
 use emitters::Emitters;
 use glam::Vec3;
+use media::{Fog, Media, Vacuum};
 use path::{Counters, Gathered, Paths};
 use rayon::prelude::*;
 use sampler::{MAX_SAMPLES, Sampler, hash};
@@ -90,8 +93,8 @@ pub struct Lightmap {
 struct Estimate {
     /// Mean of the total of each replicate.
     replicates: [Vec3; REPLICATES],
-    direct: Vec3,
-    indirect: Vec3,
+    /// Mean of each term.
+    terms: [Vec3; 4],
     sh1: [Vec3; 4],
 }
 
@@ -101,12 +104,28 @@ struct Estimate {
 /// [`Interrupted`] when the progress asks to stop; nothing is returned then.
 pub fn lightmap(
     tracer: &Tracer,
+    media: &MediumSet,
+    atlas: &Atlas,
+    settings: &LightmapSettings,
+    progress: &dyn Progress,
+) -> Result<Lightmap, Interrupted> {
+    if media.media.is_empty() {
+        pages(tracer, &Vacuum, atlas, settings, progress)
+    } else {
+        pages(tracer, &Fog::new(media), atlas, settings, progress)
+    }
+}
+
+fn pages<M: Media>(
+    tracer: &Tracer,
+    media: &M,
     atlas: &Atlas,
     settings: &LightmapSettings,
     progress: &dyn Progress,
 ) -> Result<Lightmap, Interrupted> {
     let emitters = Emitters::new(tracer);
-    let paths = Paths { tracer, emitters: &emitters, bounces: settings.bounces.unwrap_or(u32::MAX), sh1: settings.sh1 };
+    let bounces = settings.bounces.unwrap_or(u32::MAX);
+    let paths = Paths { tracer, emitters: &emitters, media, bounces, sh1: settings.sh1 };
     let mut lightmap = Lightmap { pages: vec![], reports: vec![], rays: 0, shadow_rays: 0, cut_paths: 0 };
     for (index, page) in atlas.pages.iter().enumerate() {
         let solver = PageSolver { paths: &paths, page, settings, progress, seed: hash(settings.seed, index as u32) };
@@ -115,15 +134,15 @@ pub fn lightmap(
     Ok(lightmap)
 }
 
-struct PageSolver<'a, 's> {
-    paths: &'a Paths<'a, 's>,
+struct PageSolver<'a, 's, M> {
+    paths: &'a Paths<'a, 's, M>,
     page: &'a Page,
     settings: &'a LightmapSettings,
     progress: &'a dyn Progress,
     seed: u32,
 }
 
-impl PageSolver<'_, '_> {
+impl<M: Media> PageSolver<'_, '_, M> {
     fn solve(&self, lightmap: &mut Lightmap) -> Result<(), Interrupted> {
         let starts = self.starts()?;
         let mut estimates = vec![Estimate::default(); starts.len()];
@@ -221,9 +240,7 @@ impl PageSolver<'_, '_> {
         let mut buffers = PageBuffers {
             width: self.page.width,
             height: self.page.height,
-            terms: [Term::Direct, Term::Indirect]
-                .map(|term| TermImage { term, irradiance: vec![Vec3::ZERO; size] })
-                .into(),
+            terms: M::TERMS.iter().map(|&term| TermImage { term, irradiance: vec![Vec3::ZERO; size] }).collect(),
             variance: vec![Vec3::ZERO; size],
             samples: vec![0; size],
             validity: vec![Validity::Empty; size],
@@ -236,8 +253,9 @@ impl PageSolver<'_, '_> {
                 continue;
             }
             buffers.validity[at] = Validity::Good;
-            buffers.terms[0].irradiance[at] = estimate.direct;
-            buffers.terms[1].irradiance[at] = estimate.indirect;
+            for image in &mut buffers.terms {
+                image.irradiance[at] = estimate.terms[image.term as usize];
+            }
             buffers.variance[at] = estimate.variance();
             buffers.samples[at] = samples;
             if let Some(sh1) = &mut buffers.sh1 {
@@ -250,14 +268,20 @@ impl PageSolver<'_, '_> {
 
 impl Default for Estimate {
     fn default() -> Self {
-        let zero = Vec3::ZERO;
-        Self { replicates: [zero; REPLICATES], direct: zero, indirect: zero, sh1: [zero; 4] }
+        Self { replicates: [Vec3::ZERO; REPLICATES], terms: [Vec3::ZERO; 4], sh1: [Vec3::ZERO; 4] }
     }
 }
 
 impl Estimate {
     /// Takes a range of samples of every replicate; `samples.start` of each were taken before.
-    fn add(&mut self, paths: &Paths, starts: &[Start], seed: u32, samples: std::ops::Range<u32>, counters: &Counters) {
+    fn add<M: Media>(
+        &mut self,
+        paths: &Paths<M>,
+        starts: &[Start],
+        seed: u32,
+        samples: std::ops::Range<u32>,
+        counters: &Counters,
+    ) {
         let mut sum = Gathered::default();
         let (old, new) = (samples.start as f32, samples.end as f32);
         for (index, mean) in self.replicates.iter_mut().enumerate() {
@@ -267,18 +291,17 @@ impl Estimate {
                 let [u, ..] = sampler.next4();
                 replicate.add(&paths.gather(texels::pick(starts, u), &mut sampler, counters));
             }
-            *mean = (*mean * old + replicate.direct + replicate.indirect) / new;
+            *mean = (*mean * old + replicate.terms.into_iter().sum::<Vec3>()) / new;
             sum.add(&replicate);
         }
         let count = REPLICATES as f32;
         let blend = |mean: &mut Vec3, sum: Vec3| *mean = (*mean * old + sum / count) / new;
-        blend(&mut self.direct, sum.direct);
-        blend(&mut self.indirect, sum.indirect);
+        self.terms.iter_mut().zip(sum.terms).for_each(|(mean, sum)| blend(mean, sum));
         self.sh1.iter_mut().zip(sum.sh1).for_each(|(mean, sum)| blend(mean, sum));
     }
 
     fn total(&self) -> Vec3 {
-        self.direct + self.indirect
+        self.terms.iter().sum()
     }
 
     /// Variance of the mean of the total, from the spread of the replicates.
@@ -298,8 +321,7 @@ impl Estimate {
 
 impl Gathered {
     fn add(&mut self, other: &Self) {
-        self.direct += other.direct;
-        self.indirect += other.indirect;
+        self.terms.iter_mut().zip(other.terms).for_each(|(sum, value)| *sum += value);
         self.sh1.iter_mut().zip(other.sh1).for_each(|(sum, value)| *sum += value);
     }
 }

@@ -2,20 +2,25 @@
 //!
 //! At every vertex emitters are drawn (next-event estimation) and one direction is followed; what both can find is
 //! weighed by the power heuristic (Veach 1997). Surfaces are Lambertian. Blended and transmissive surfaces on the way
-//! are crossed at random in proportion to what they let through.
+//! are crossed at random in proportion to what they let through. What happens in the air stands in [`super::air`].
 
+use super::air::{Onward, Step};
 use super::emitters::{Emitters, LightSample, Strategy, Target};
+use super::media::{Leg, Media};
 use super::sampler::Sampler;
 use super::warp;
 use crate::scene::surface::Surface;
 use crate::trace::passage::Chords;
 use crate::trace::{Hit, Place, Ray, Tracer};
+use bake_formats::Term;
 use glam::Vec3;
 use std::cell::Cell;
 use std::f32::consts::{PI, TAU};
 
 /// Reflections after which a path is cut even when nothing absorbs.
 const LONGEST_PATH: u32 = 1024;
+/// Legs after which a path is cut that no collision absorbs.
+const LONGEST_WALK: u32 = 1 << 16;
 /// Reflections after which Russian roulette may end a path.
 const ROULETTE_FROM: u32 = 2;
 /// Permeable surfaces that one segment may cross.
@@ -26,19 +31,17 @@ const MOST_CROSSINGS: u32 = 128;
 pub struct Vertex {
     /// Origin of rays, clear of the surface.
     pub origin: Vec3,
-    /// Unit geometric normal.
+    /// Unit geometric normal; zero for a vertex in the air.
     pub normal_geom: Vec3,
-    /// Unit normal of the cosine.
+    /// Unit normal of the cosine; zero for a vertex in the air.
     pub normal_shading: Vec3,
 }
 
 /// Irradiance (lux) that one path estimates, by term, and its l ≤ 1 harmonics (order 0, y, z, x) of incident radiance.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Gathered {
-    /// Straight from emitters.
-    pub direct: Vec3,
-    /// From reflecting surfaces.
-    pub indirect: Vec3,
+    /// By term, in the order of [`Term`].
+    pub terms: [Vec3; 4],
     /// Harmonics, when asked for.
     pub sh1: [Vec3; 4],
 }
@@ -54,12 +57,14 @@ pub struct Counters {
     pub cut_paths: Cell<u64>,
 }
 
-/// Follows paths through a scene.
-pub struct Paths<'a, 's> {
+/// Follows paths through a scene and its air.
+pub struct Paths<'a, 's, M> {
     /// Geometry.
     pub tracer: &'a Tracer<'s>,
     /// Emitters.
     pub emitters: &'a Emitters<'s>,
+    /// Air.
+    pub media: &'a M,
     /// Most reflections.
     pub bounces: u32,
     /// Whether harmonics are gathered; directions are then drawn half by cosine, half uniformly, so that weights stay bounded.
@@ -67,23 +72,60 @@ pub struct Paths<'a, 's> {
 }
 
 /// What a ray arrives at.
-struct Arrival {
+pub(super) struct Arrival {
     hit: Option<(Hit, Place, Surface)>,
-    distance: f32,
+    pub(super) distance: f32,
     /// What the surfaces crossed on the way let through.
     passed: Vec3,
+    /// The same up to each crossing, with its distance; kept where there is air.
+    crossings: Vec<(f32, Vec3)>,
 }
 
-impl Paths<'_, '_> {
+/// The last leg of light on its way to the start of a path: what names its term.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct LastLeg {
+    collisions: usize,
+    surface: Option<Term>,
+}
+
+impl LastLeg {
+    /// Light that an emitter sends here.
+    fn of_emitter(self) -> usize {
+        self.surface.unwrap_or([Term::Direct, Term::Single, Term::Multiple][self.collisions.min(2)]) as usize
+    }
+
+    /// Light that comes here with one collision more.
+    pub(super) fn of_collision(self) -> usize {
+        Self { collisions: self.collisions + 1, ..self }.of_emitter()
+    }
+
+    /// Light that comes here with two collisions more, or any number above.
+    pub(super) fn of_collisions(self) -> usize {
+        self.surface.unwrap_or(Term::Multiple) as usize
+    }
+
+    fn meet_surface(&mut self) {
+        let reflected = if self.collisions == 0 { Term::Indirect as usize } else { self.of_emitter() };
+        self.surface.get_or_insert(Term::ALL[reflected]);
+    }
+}
+
+impl<M: Media> Paths<'_, '_, M> {
     /// Follows one path from a vertex.
     pub fn gather(&self, start: &Vertex, sampler: &mut Sampler, counters: &Counters) -> Gathered {
         let mut gathered = Gathered::default();
         for &strategy in self.emitters.strategies() {
             let [u, v, w, _] = sampler.next4();
             if let Some((irradiance, dir, cos)) = self.draw(strategy, 1.0, start, [u, v, w], counters) {
-                gathered.direct += irradiance * cos;
+                gathered.terms[Term::Direct as usize] += irradiance * cos;
                 self.project(&mut gathered.sh1, dir, irradiance);
             }
+        }
+        // The air draws from a sequence of its own: without it surfaces get the same numbers.
+        let mut air = sampler.fork();
+        if let Some((radiance, dir, cos)) = self.lamps_around(start, &mut air, counters) {
+            gathered.terms[Term::Single as usize] += radiance * cos;
+            self.project(&mut gathered.sh1, dir, radiance);
         }
         let [u, v, crossing, lobe] = sampler.next4();
         let (dir, pdf) = self.first_direction(start, u, v);
@@ -91,37 +133,51 @@ impl Paths<'_, '_> {
         if cos <= 0.0 || dir.dot(start.normal_geom) <= 0.0 {
             return gathered;
         }
-        let (direct, indirect) = self.follow(start, dir, pdf, [crossing, lobe], sampler, counters);
-        gathered.direct += direct * (cos / pdf);
-        gathered.indirect += indirect * (cos / pdf);
-        self.project(&mut gathered.sh1, dir, (direct + indirect) / pdf);
+        let radiance = self.follow(start, dir, pdf, [crossing, lobe], (sampler, &mut air), counters);
+        gathered.terms.iter_mut().zip(radiance).for_each(|(sum, part)| *sum += part * (cos / pdf));
+        self.project(&mut gathered.sh1, dir, radiance.into_iter().sum::<Vec3>() / pdf);
         gathered
     }
 
-    /// Radiance arriving at `start` from `dir`, whose density is `pdf`: from the emitter straight ahead (weighed
-    /// against next-event estimation), and from whatever reflects there.
-    fn follow(
+    /// Radiance by term that arrives at `start` from `dir`, whose density is `pdf`: from the emitter straight ahead
+    /// (weighed against next-event estimation), from whatever reflects there, and from the air before.
+    ///
+    /// Light of point and spot lights that the first leg scatters is left to [`Self::lamps_around`].
+    pub(super) fn follow(
         &self,
         start: &Vertex,
         dir: Vec3,
         pdf: f32,
         [crossing, lobe]: [f32; 2],
-        sampler: &mut Sampler,
+        (sampler, air): (&mut Sampler, &mut Sampler),
         counters: &Counters,
-    ) -> (Vec3, Vec3) {
-        let (mut direct, mut indirect) = (Vec3::ZERO, Vec3::ZERO);
+    ) -> [Vec3; 4] {
+        let mut radiance = [Vec3::ZERO; 4];
         let (mut vertex, mut dir, mut pdf, mut crossing, mut lobe) = (*start, dir, pdf, crossing, lobe);
         let mut throughput = Vec3::ONE;
         let mut draws = 1.0; // share of the strategies that were drawn at the vertex
-        for bounce in 0.. {
-            let arrival = self.travel(vertex.origin, dir, crossing, counters);
-            throughput *= arrival.passed;
-            let emitted = throughput * self.emitted(&vertex, dir, pdf, draws, &arrival);
-            if bounce == 0 {
-                direct += emitted;
-            } else {
-                indirect += emitted;
+        let (mut bounce, mut last_leg) = (0, LastLeg::default());
+        for leg in 0.. {
+            let mut arrival = self.travel(vertex.origin, dir, crossing, counters);
+            if M::PRESENT {
+                let step = Step { vertex, dir, throughput, last_leg, is_first: leg == 0 };
+                match self.cross_air(&step, &mut arrival, &mut radiance, air, counters) {
+                    Onward::Collision(collision) if leg < LONGEST_WALK => {
+                        (vertex, dir, pdf, draws) = (collision.vertex, collision.dir, collision.pdf, collision.draws);
+                        (throughput, crossing) = (collision.throughput, collision.crossing);
+                        last_leg.collisions += 1;
+                        continue;
+                    }
+                    Onward::Collision(_) => {
+                        counters.cut_paths.set(counters.cut_paths.get() + 1);
+                        break;
+                    }
+                    Onward::Absorbed => break,
+                    Onward::Through => {}
+                }
             }
+            throughput *= arrival.passed;
+            radiance[last_leg.of_emitter()] += throughput * self.emitted(&vertex, dir, pdf, draws, &arrival);
             let Some((hit, place, surface)) = arrival.hit else { break };
             if bounce >= self.bounces {
                 break;
@@ -133,6 +189,7 @@ impl Paths<'_, '_> {
             let Some((next, weight)) = self.scatter(&hit, &place, &surface, lobe) else { break };
             vertex = next;
             throughput *= weight;
+            last_leg.meet_surface();
 
             let [pick, u, v, survive] = sampler.next4();
             let strategies = self.emitters.strategies();
@@ -142,7 +199,7 @@ impl Paths<'_, '_> {
                 let strategy = strategies[(place as usize).min(strategies.len() - 1)];
                 if let Some((irradiance, _, cos)) = self.draw(strategy, draws, &vertex, [place.fract(), u, v], counters)
                 {
-                    indirect += throughput * irradiance * (cos / PI);
+                    radiance[last_leg.of_emitter()] += throughput * irradiance * (cos / PI);
                 }
             }
             if bounce + 1 >= ROULETTE_FROM {
@@ -152,6 +209,7 @@ impl Paths<'_, '_> {
                 }
                 throughput /= survival;
             }
+            bounce += 1;
             let numbers = sampler.next4();
             dir = warp::about(vertex.normal_shading, warp::cosine_hemisphere(numbers[0], numbers[1]));
             pdf = warp::cosine_pdf(dir.dot(vertex.normal_shading));
@@ -160,7 +218,7 @@ impl Paths<'_, '_> {
                 break;
             }
         }
-        (direct, indirect)
+        radiance
     }
 
     /// Direction at the first vertex with its density.
@@ -223,6 +281,7 @@ impl Paths<'_, '_> {
         if passed == Vec3::ZERO {
             return None;
         }
+        let passed = passed * self.through_air(&ray, dir);
         let weight = pdf.map_or(1.0, |pdf| power_heuristic(draws * pdf, self.direction_pdf(cos, draws < 1.0)));
         Some((irradiance * passed * (weight / draws), dir, cos))
     }
@@ -234,13 +293,13 @@ impl Paths<'_, '_> {
     }
 
     /// Straight on to the next surface that does not let the ray through.
-    fn travel(&self, mut origin: Vec3, dir: Vec3, mut crossing: f32, counters: &Counters) -> Arrival {
-        let (mut passed, mut distance, mut chords) = (Vec3::ONE, 0.0, Chords::default());
+    pub(super) fn travel(&self, mut origin: Vec3, dir: Vec3, mut crossing: f32, counters: &Counters) -> Arrival {
+        let (mut passed, mut distance, mut chords, mut crossings) = (Vec3::ONE, 0.0, Chords::default(), vec![]);
         for _ in 0..MOST_CROSSINGS {
             counters.rays.set(counters.rays.get() + 1);
             let Some(mut hit) = self.tracer.closest_hit(&Ray { origin, dir, t_max: f32::INFINITY }) else {
                 let passed = passed * chords.transmittance(f32::INFINITY, dir);
-                return Arrival { hit: None, distance: f32::INFINITY, passed };
+                return Arrival { hit: None, distance: f32::INFINITY, passed, crossings };
             };
             distance += hit.t;
             hit.t = distance;
@@ -253,6 +312,9 @@ impl Paths<'_, '_> {
                 if crossing < through {
                     crossing = (crossing / through).min(1.0 - f32::EPSILON);
                     passed *= surface.through / through;
+                    if M::PRESENT {
+                        crossings.push((distance, passed));
+                    }
                     chords.cross(scene.material_at(hit.instance, hit.triangle).volume_sigma_a, &hit);
                     let ahead = place.normal_geom * if dir.dot(place.normal_geom) > 0.0 { 1.0 } else { -1.0 };
                     origin = place.point.offset_along(ahead);
@@ -261,9 +323,9 @@ impl Paths<'_, '_> {
                 passed /= 1.0 - through;
             }
             let passed = passed * chords.transmittance(distance, dir);
-            return Arrival { hit: Some((hit, place, seen_from(surface, scene, &hit))), distance, passed };
+            return Arrival { hit: Some((hit, place, seen_from(surface, scene, &hit))), distance, passed, crossings };
         }
-        Arrival { hit: None, distance: f32::INFINITY, passed: Vec3::ZERO }
+        Arrival { hit: None, distance: f32::INFINITY, passed: Vec3::ZERO, crossings }
     }
 
     /// The vertex on the side from which reflected (or diffusely transmitted) light comes, and albedo over the
@@ -287,13 +349,33 @@ impl Paths<'_, '_> {
         Vertex { origin: place.point.offset_along(normal_geom), normal_geom, normal_shading: shading }
     }
 
-    fn project(&self, sh1: &mut [Vec3; 4], dir: Vec3, radiance: Vec3) {
+    /// What the air leaves of light along a shadow ray with unit direction `dir`.
+    pub(super) fn through_air(&self, ray: &Ray, dir: Vec3) -> Vec3 {
+        if !M::PRESENT {
+            return Vec3::ONE;
+        }
+        self.media.transmittance(&Leg { origin: ray.origin, dir, length: ray.t_max * ray.dir.length() })
+    }
+
+    pub(super) fn project(&self, sh1: &mut [Vec3; 4], dir: Vec3, radiance: Vec3) {
         if self.sh1 {
             let basis = [0.282_094_8, 0.488_602_5 * dir.y, 0.488_602_5 * dir.z, 0.488_602_5 * dir.x];
             for (coefficient, y) in sh1.iter_mut().zip(basis) {
                 *coefficient += radiance * y;
             }
         }
+    }
+}
+
+impl Arrival {
+    /// What the surfaces crossed before `distance` let through.
+    pub(super) fn passed_before(&self, distance: f32) -> Vec3 {
+        self.crossings.iter().rev().find(|(at, _)| *at < distance).map_or(Vec3::ONE, |(_, passed)| *passed)
+    }
+
+    /// Weakens what arrives from beyond the air.
+    pub(super) fn weaken(&mut self, by: Vec3) {
+        self.passed *= by;
     }
 }
 
@@ -306,7 +388,7 @@ fn seen_from(surface: Surface, scene: &crate::scene::Scene, hit: &Hit) -> Surfac
 }
 
 /// Weight of a strategy with density `own` beside one with density `other`.
-fn power_heuristic(own: f32, other: f32) -> f32 {
+pub(super) fn power_heuristic(own: f32, other: f32) -> f32 {
     if other <= 0.0 {
         return 1.0;
     }

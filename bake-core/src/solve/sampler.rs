@@ -35,6 +35,13 @@ impl Sampler {
     }
 }
 
+impl Sampler {
+    /// The same sample of an independent sequence.
+    pub fn fork(&self) -> Self {
+        Self { seed: hash(self.seed, 0x61_6972), set: 0, ..*self }
+    }
+}
+
 /// Mixes two words into one (two rounds of the finaliser of MurmurHash3).
 pub fn hash(a: u32, b: u32) -> u32 {
     let mix = |mut h: u32| {

@@ -1,5 +1,7 @@
 //! The solver against closed forms: laws, analytic values, furnaces with their partial sums, each with a wrong twin.
 
+mod fog;
+
 use super::*;
 use crate::progress::Silent;
 use crate::scene::{Environment, Light, LightKind, Scene};
@@ -29,7 +31,7 @@ fn solve(scene: &Scene, samples: u32, bounces: Option<u32>) -> Lightmap {
         bounces,
         ..Default::default()
     };
-    lightmap(&Tracer::new(scene), &quad_atlas(SIZE), &settings, &Silent).unwrap()
+    lightmap(&Tracer::new(scene), &MediumSet::default(), &quad_atlas(SIZE), &settings, &Silent).unwrap()
 }
 
 /// Compares each texel of the first page with `truth(x, y)`: relative error beyond four standard errors.
@@ -164,7 +166,8 @@ fn harmonics_of_a_uniform_sky() {
         sh1: true,
         ..Default::default()
     };
-    let lightmap = lightmap(&Tracer::new(&scene), &quad_atlas(SIZE), &settings, &Silent).unwrap();
+    let lightmap =
+        lightmap(&Tracer::new(&scene), &MediumSet::default(), &quad_atlas(SIZE), &settings, &Silent).unwrap();
     let mut worst = Worst::new("l ≤ 1 of a half sky", 5e-3);
     for c in lightmap.pages[0].sh1.as_ref().unwrap() {
         for (got, want) in c.iter().zip([1.772_454, 1.534_990, 0.0, 0.0]) {
@@ -231,7 +234,8 @@ fn the_error_falls_with_samples_and_is_what_it_says() {
             seed: 9,
             sh1: false,
         };
-        let bake = lightmap(&Tracer::new(&scene), &quad_atlas(SIZE), &settings, &Silent).unwrap();
+        let bake =
+            lightmap(&Tracer::new(&scene), &MediumSet::default(), &quad_atlas(SIZE), &settings, &Silent).unwrap();
         let good = |at: &usize| bake.pages[0].validity[*at] == Validity::Good;
         let median = bake.reports[0].median;
         let squares: Vec<f64> = (0..(SIZE * SIZE) as usize)
@@ -273,7 +277,8 @@ fn the_same_bits_for_any_number_of_threads() {
 #[test]
 fn a_target_error_is_reached() {
     let settings = LightmapSettings { target_error: 0.02, min_samples: 16, max_samples: 1 << 16, ..Default::default() };
-    let bake = lightmap(&Tracer::new(&busy_scene()), &quad_atlas(SIZE), &settings, &Silent).unwrap();
+    let bake =
+        lightmap(&Tracer::new(&busy_scene()), &MediumSet::default(), &quad_atlas(SIZE), &settings, &Silent).unwrap();
     let report = bake.reports[0];
     println!("{report:?}");
     assert!(report.error <= 0.02 && report.samples > 16 && report.samples < 1 << 16);
@@ -289,6 +294,12 @@ fn interruption_returns_nothing() {
             true
         }
     }
-    let result = lightmap(&Tracer::new(&busy_scene()), &quad_atlas(SIZE), &LightmapSettings::default(), &Stop);
+    let result = lightmap(
+        &Tracer::new(&busy_scene()),
+        &MediumSet::default(),
+        &quad_atlas(SIZE),
+        &LightmapSettings::default(),
+        &Stop,
+    );
     assert_eq!(result.err(), Some(Interrupted));
 }

@@ -4,6 +4,7 @@
 //! one lies on the other side of a wall. Neither is used, so that no light passes through closed walls, and
 //! a texel without any good point is buried.
 
+use super::media::Media;
 use super::path::{Paths, Vertex};
 use super::sampler::hash;
 use super::warp;
@@ -26,7 +27,7 @@ pub struct Start {
 }
 
 /// The usable points of a texel; empty when it is buried.
-pub fn starts(paths: &Paths, page: &Page, texel: &Texel) -> Vec<Start> {
+pub fn starts<M: Media>(paths: &Paths<M>, page: &Page, texel: &Texel) -> Vec<Start> {
     let seed = hash(u32::from(texel.x), u32::from(texel.y));
     let points = page.points_of(texel).iter().enumerate();
     let mut good: Vec<(Vertex, f32)> = points
@@ -61,7 +62,7 @@ pub fn pick(starts: &[Start], u: f32) -> &Vertex {
     &starts[index].vertex
 }
 
-fn vertex_at(paths: &Paths, point: &SurfacePoint) -> Vertex {
+fn vertex_at<M: Media>(paths: &Paths<M>, point: &SurfacePoint) -> Vertex {
     let SurfacePoint { instance, triangle, barycentric, .. } = *point;
     let place = paths.tracer.place(instance, triangle, barycentric);
     paths.vertex(instance, triangle, barycentric, &place, 1.0)
@@ -69,7 +70,7 @@ fn vertex_at(paths: &Paths, point: &SurfacePoint) -> Vertex {
 
 /// Whether the way between two points of a texel is free. Points are lifted by a share of their distance, so that
 /// the texel's own curvature does not stand between them.
-fn sees(paths: &Paths, a: &Vertex, b: &Vertex) -> bool {
+fn sees<M: Media>(paths: &Paths<M>, a: &Vertex, b: &Vertex) -> bool {
     let lift = 0.25 * a.origin.distance(b.origin);
     let (from, to) = (a.origin + lift * a.normal_geom, b.origin + lift * b.normal_geom);
     let free = |origin: Vec3, end: Vec3| {
@@ -80,7 +81,7 @@ fn sees(paths: &Paths, a: &Vertex, b: &Vertex) -> bool {
 }
 
 /// Whether most rays from a point meet the back of single-sided surfaces.
-fn is_buried(paths: &Paths, vertex: &Vertex, seed: u32) -> bool {
+fn is_buried<M: Media>(paths: &Paths<M>, vertex: &Vertex, seed: u32) -> bool {
     let turn = hash(seed, 1) as f32 / u32::MAX as f32;
     let backs = (0..RAYS)
         .filter(|&i| {
@@ -92,7 +93,7 @@ fn is_buried(paths: &Paths, vertex: &Vertex, seed: u32) -> bool {
     backs as f32 > BURIED_SHARE * RAYS as f32
 }
 
-fn meets_back(paths: &Paths, origin: Vec3, dir: Vec3) -> bool {
+fn meets_back<M: Media>(paths: &Paths<M>, origin: Vec3, dir: Vec3) -> bool {
     let Some(hit) = paths.tracer.closest_hit(&Ray { origin, dir, t_max: f32::INFINITY }) else { return false };
     let material = paths.tracer.scene().material_at(hit.instance, hit.triangle);
     hit.back_face && !material.double_sided && material.transmission == 0.0

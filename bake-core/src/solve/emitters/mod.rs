@@ -6,7 +6,7 @@ pub mod punctual;
 pub mod tree;
 
 use crate::scene::surface::Surface;
-use crate::scene::{LightKind, Scene};
+use crate::scene::{Light, LightKind, Scene};
 use crate::solve::{LUMINANCE, warp};
 use crate::trace::{Hit, Place, Tracer};
 use environment::EnvironmentSampler;
@@ -40,8 +40,10 @@ pub enum Target {
 /// Kinds of draw that a receiver can make.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Strategy {
-    /// Through the light tree.
+    /// Through the light tree of all finite emitters.
     Finite,
+    /// Through the light tree of glowing surfaces.
+    Glow,
     /// A directional light, by its index in the scene.
     Directional(u32),
     /// The environment.
@@ -58,10 +60,16 @@ enum Finite {
 pub struct Emitters<'s> {
     scene: &'s Scene,
     finite: Vec<Finite>,
+    /// Point and spot lights come first in `finite`.
+    lamp_count: usize,
     triangles: HashMap<(u32, u32), u32>,
     tree: LightTree,
+    /// Point and spot lights alone, and glowing triangles alone: the air meets the two in different ways.
+    lamps: LightTree,
+    glow: LightTree,
     environment: Option<EnvironmentSampler<'s>>,
     strategies: Vec<Strategy>,
+    strategies_in_air: Vec<Strategy>,
 }
 
 impl<'s> Emitters<'s> {
@@ -76,6 +84,7 @@ impl<'s> Emitters<'s> {
                 bounds.push(light_bounds(position, light.color.dot(LUMINANCE), &light.kind));
             }
         }
+        let lamp_count = finite.len();
         let mut triangles = HashMap::new();
         for instance in 0..scene.instances.len() as u32 {
             for (triangle, glow) in glowing_triangles(tracer, instance) {
@@ -85,11 +94,10 @@ impl<'s> Emitters<'s> {
             }
         }
         let tree = LightTree::build(&bounds);
+        let lamps = LightTree::build(&bounds[..lamp_count]);
+        let glow = LightTree::build(&bounds[lamp_count..]);
         let environment = scene.environment.as_ref().and_then(EnvironmentSampler::new);
         let mut strategies = Vec::new();
-        if !tree.is_empty() {
-            strategies.push(Strategy::Finite);
-        }
         for (index, light) in scene.lights.iter().enumerate() {
             if matches!(light.kind, LightKind::Directional { .. }) && light.color != Vec3::ZERO {
                 strategies.push(Strategy::Directional(index as u32));
@@ -98,12 +106,33 @@ impl<'s> Emitters<'s> {
         if environment.is_some() {
             strategies.push(Strategy::Environment);
         }
-        Self { scene, finite, triangles, tree, environment, strategies }
+        let with = |finite: &[Strategy]| finite.iter().chain(&strategies).copied().collect();
+        let strategies_in_air = with(if glow.is_empty() { &[] } else { &[Strategy::Glow] });
+        let strategies = with(if tree.is_empty() { &[] } else { &[Strategy::Finite] });
+        Self { scene, finite, lamp_count, triangles, tree, lamps, glow, environment, strategies, strategies_in_air }
     }
 
     /// The draws that together reach every emitter.
     pub fn strategies(&self) -> &[Strategy] {
         &self.strategies
+    }
+
+    /// The draws that a collision in the air makes: every emitter but point and spot lights, whose light in the air is
+    /// gathered along whole legs instead ([`Self::lamp_along`]), where their inverse square is sampled.
+    pub fn strategies_in_air(&self) -> &[Strategy] {
+        &self.strategies_in_air
+    }
+
+    /// Draws a point or spot light for the air along a segment; with its probability.
+    pub fn lamp_along(&self, a: Vec3, b: Vec3, u: f32) -> Option<(&Light, f32)> {
+        let (index, probability) = self.lamps.sample_segment(a, b, u)?;
+        let Finite::Light(light) = self.finite[index as usize] else { return None };
+        Some((&self.scene.lights[light as usize], probability))
+    }
+
+    /// Whether there are point or spot lights.
+    pub fn has_lamps(&self) -> bool {
+        !self.lamps.is_empty()
     }
 
     /// Radiance (cd/m²) of the environment along a unit direction.
@@ -126,7 +155,11 @@ impl<'s> Emitters<'s> {
         u: [f32; 3],
     ) -> Option<LightSample> {
         match strategy {
-            Strategy::Finite => self.sample_finite(tracer, point, normal, u),
+            Strategy::Finite => self.sample_finite(tracer, self.tree.sample(point, normal, u[0])?, point, u),
+            Strategy::Glow => {
+                let (index, probability) = self.glow.sample(point, normal, u[0])?;
+                self.sample_finite(tracer, (index + self.lamp_count as u32, probability), point, u)
+            }
             Strategy::Directional(index) => self.sample_directional(index, u),
             Strategy::Environment => {
                 let environment = self.environment.as_ref()?;
@@ -137,8 +170,8 @@ impl<'s> Emitters<'s> {
         }
     }
 
-    /// Density per solid angle with which [`Strategy::Finite`] would have drawn the surface that a ray from `point`
-    /// with unit direction `dir` has hit at `distance`.
+    /// Density per solid angle with which [`Strategy::Finite`], or [`Strategy::Glow`] in the air, where `normal` is
+    /// zero, would have drawn the surface that a ray from `point` with unit direction `dir` has hit at `distance`.
     pub fn finite_pdf(&self, point: Vec3, normal: Vec3, dir: Vec3, distance: f32, hit: &Hit, place: &Place) -> f32 {
         let Some(&index) = self.triangles.get(&(hit.instance, hit.triangle)) else { return 0.0 };
         let Finite::Triangle { area, .. } = self.finite[index as usize] else { return 0.0 };
@@ -146,11 +179,21 @@ impl<'s> Emitters<'s> {
         if cos <= 0.0 {
             return 0.0;
         }
-        self.tree.probability(index, point, normal) * distance * distance / (area * cos)
+        let probability = if normal == Vec3::ZERO {
+            self.glow.probability(index - self.lamp_count as u32, point, normal)
+        } else {
+            self.tree.probability(index, point, normal)
+        };
+        probability * distance * distance / (area * cos)
     }
 
-    fn sample_finite(&self, tracer: &Tracer, point: Vec3, normal: Vec3, u: [f32; 3]) -> Option<LightSample> {
-        let (index, probability) = self.tree.sample(point, normal, u[0])?;
+    fn sample_finite(
+        &self,
+        tracer: &Tracer,
+        (index, probability): (u32, f32),
+        point: Vec3,
+        u: [f32; 3],
+    ) -> Option<LightSample> {
         match self.finite[index as usize] {
             Finite::Light(light) => {
                 let (target, irradiance) = punctual::sample(&self.scene.lights[light as usize], point, u[1], u[2])?;

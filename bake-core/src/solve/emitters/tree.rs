@@ -61,7 +61,8 @@ impl LightTree {
         self.nodes.is_empty()
     }
 
-    /// Draws an emitter for a receiver at `point` with unit `normal`; returns it with its probability.
+    /// Draws an emitter for a receiver at `point` with unit `normal`, zero for one in the air; returns it with its
+    /// probability.
     pub fn sample(&self, point: Vec3, normal: Vec3, mut u: f32) -> Option<(u32, f32)> {
         let mut at = 0;
         let mut probability = 1.0;
@@ -82,6 +83,27 @@ impl LightTree {
             u = u.min(1.0 - f32::EPSILON);
         }
         (self.nodes[at].bounds.importance(point, normal) > 0.0).then(|| (self.nodes[at].emitter, probability))
+    }
+
+    /// Draws an emitter for the air along the segment from `a` to `b`; returns it with its probability.
+    ///
+    /// Roughly in proportion to what reaches the segment, intensity over distance, whatever the direction of emission:
+    /// a cone may cross the segment anywhere.
+    pub fn sample_segment(&self, a: Vec3, b: Vec3, mut u: f32) -> Option<(u32, f32)> {
+        if self.nodes.is_empty() {
+            return None;
+        }
+        let (mut at, mut probability) = (0, 1.0);
+        while self.nodes[at].right != LEAF {
+            let right = self.nodes[at].right as usize;
+            let importance = [at + 1, right].map(|child| self.nodes[child].bounds.importance_along(a, b));
+            let left = importance[0] / (importance[0] + importance[1]);
+            let (share, next) = if u < left { (left, at + 1) } else { (1.0 - left, right) };
+            u = if u < left { u / left } else { (u - left) / (1.0 - left) }.min(1.0 - f32::EPSILON);
+            probability *= share;
+            at = next;
+        }
+        Some((self.nodes[at].emitter, probability))
     }
 
     /// The probability with which [`Self::sample`] draws an emitter.
@@ -204,7 +226,7 @@ impl LightBounds {
         let away = point - self.centre();
         let radius2 = 0.25 * (self.max - self.min).length_squared();
         let distance2 = away.length_squared();
-        let to_point = away.normalize_or(normal);
+        let to_point = away.normalize_or(if normal == Vec3::ZERO { self.axis } else { normal });
         let sin2_bound = if distance2 > radius2 { radius2 / distance2 } else { 1.0 };
         let cos_bound = if distance2 > radius2 { (1.0 - sin2_bound).sqrt() } else { -1.0 };
         let sin_bound = if cos_bound < 0.0 { 0.0 } else { sin2_bound.sqrt() };
@@ -217,12 +239,23 @@ impl LightBounds {
         if cos_emitted <= self.cos_emission {
             return 0.0;
         }
+        if normal == Vec3::ZERO {
+            return self.intensity * cos_emitted.max(0.05) / distance2.max(radius2).max(1e-12);
+        }
         let cos_receiver = -normal.dot(to_point);
         let cos_received = cos_difference(sine(cos_receiver), cos_receiver, sin_bound, cos_bound);
         if cos_received <= 0.0 {
             return 0.0;
         }
         self.intensity * cos_emitted.max(0.05) * cos_received / distance2.max(radius2).max(1e-12)
+    }
+
+    fn importance_along(&self, a: Vec3, b: Vec3) -> f32 {
+        let (centre, way) = (self.centre(), b - a);
+        let length2 = way.length_squared();
+        let share = if length2 > 0.0 { ((centre - a).dot(way) / length2).clamp(0.0, 1.0) } else { 0.0 };
+        let distance = centre.distance(a + share * way).max(0.5 * (self.max - self.min).length());
+        self.intensity / distance.max(1e-3)
     }
 
     /// Surface-area orientation heuristic.

@@ -1,0 +1,255 @@
+//! Light in the air along the legs of a path: collisions, and what emitters send to the leg.
+//!
+//! Surfaces that glow, the sky and the sun are drawn from collisions. Point and spot lights are not, because the
+//! inverse square has no bounded variance there: their light is gathered along every leg with distances drawn
+//! equi-angularly about the lamp (Kulla and Fajardo 2012), and around the start of a path with directions drawn
+//! uniformly in the angle from the lamp, where both singularities cancel (`dω ds / r² ∝ dγ dβ / d`).
+
+use super::emitters::{LightSample, Strategy, Target, punctual};
+use super::media::{Flight, Leg, Media};
+use super::path::{Arrival, Counters, LastLeg, Paths, Vertex, power_heuristic};
+use super::sampler::Sampler;
+use super::warp;
+use crate::scene::Light;
+use crate::trace::Ray;
+use glam::Vec3;
+use std::f32::consts::PI;
+
+/// Stretch over which lamps are compared where the air has no end, metres.
+const LONGEST_STRETCH: f32 = 1e6;
+
+/// Where a path stands before a leg.
+pub(super) struct Step {
+    pub vertex: Vertex,
+    pub dir: Vec3,
+    pub throughput: Vec3,
+    pub last_leg: LastLeg,
+    pub is_first: bool,
+}
+
+/// How a path comes through the air of a leg.
+pub(super) enum Onward {
+    /// To the leg's end.
+    Through,
+    /// From a collision on.
+    Collision(Collision),
+    /// Absorbed.
+    Absorbed,
+}
+
+/// Where a path goes on after a collision.
+pub(super) struct Collision {
+    pub vertex: Vertex,
+    pub dir: Vec3,
+    pub pdf: f32,
+    pub draws: f32,
+    pub throughput: Vec3,
+    pub crossing: f32,
+}
+
+impl<M: Media> Paths<'_, '_, M> {
+    /// Takes a path over one leg of air; what passes to the leg's end is weakened in `arrival`.
+    pub(super) fn cross_air(
+        &self,
+        step: &Step,
+        arrival: &mut Arrival,
+        radiance: &mut [Vec3; 4],
+        air: &mut Sampler,
+        counters: &Counters,
+    ) -> Onward {
+        let leg = Leg { origin: step.vertex.origin, dir: step.dir, length: arrival.distance };
+        let numbers = air.next4();
+        if self.emitters.has_lamps() && !step.is_first {
+            let lit = self.lamps_along(&leg, arrival, air.next4(), counters);
+            radiance[step.last_leg.of_collision()] += step.throughput * lit;
+        }
+        if M::CACHED {
+            self.look_up(step, &leg, arrival, radiance, (numbers, air), counters);
+            arrival.weaken(self.media.transmittance(&leg));
+            return Onward::Through;
+        }
+        match self.media.fly(&leg, step.throughput, [numbers[0], numbers[1]]) {
+            Flight::Through(weight) => {
+                arrival.weaken(weight);
+                Onward::Through
+            }
+            Flight::Collision { distance, weight } => {
+                let throughput = step.throughput * weight * arrival.passed_before(distance);
+                let point = leg.at(distance);
+                let draws = 1.0 / self.emitters.strategies_in_air().len().max(1) as f32;
+                if let Some(lit) = self.draw_in_air(point, step.dir, air.next4(), counters) {
+                    radiance[step.last_leg.of_collision()] += throughput * lit;
+                }
+                let deflected = self.deflect(point, step.dir, throughput, draws, [numbers[2], numbers[3]], air);
+                deflected.map_or(Onward::Absorbed, Onward::Collision)
+            }
+        }
+    }
+
+    fn deflect(
+        &self,
+        point: Vec3,
+        dir: Vec3,
+        throughput: Vec3,
+        draws: f32,
+        [u, v]: [f32; 2],
+        air: &mut Sampler,
+    ) -> Option<Collision> {
+        let [choice, survive, crossing, _] = air.next4();
+        let deflected = self.media.deflect(point, dir, [u, v, choice])?;
+        let throughput = throughput * deflected.weight;
+        let survival = throughput.max_element().min(1.0);
+        (survive < survival).then(|| Collision {
+            vertex: Vertex { origin: point, normal_geom: Vec3::ZERO, normal_shading: Vec3::ZERO },
+            dir: deflected.dir,
+            pdf: deflected.pdf,
+            draws,
+            throughput: throughput / survival,
+            crossing,
+        })
+    }
+
+    /// In-scattered radiance from one collision on the leg: emitters drawn there, and what the cache holds of the rest.
+    fn look_up(
+        &self,
+        step: &Step,
+        leg: &Leg,
+        arrival: &Arrival,
+        radiance: &mut [Vec3; 4],
+        (numbers, air): ([f32; 4], &mut Sampler),
+        counters: &Counters,
+    ) {
+        let Some((distance, weight)) = self.media.collide(leg, step.throughput, [numbers[0], numbers[1]]) else {
+            return;
+        };
+        let throughput = step.throughput * weight * arrival.passed_before(distance);
+        let point = leg.at(distance);
+        if let Some(lit) = self.draw_in_air(point, step.dir, air.next4(), counters) {
+            radiance[step.last_leg.of_collision()] += throughput * lit;
+        }
+        let [once, more] = self.media.cached(point, step.dir);
+        radiance[step.last_leg.of_collision()] += throughput * once;
+        radiance[step.last_leg.of_collisions()] += throughput * more;
+    }
+
+    /// `sigma_s` × phase function × irradiance of one emitter other than lamps at a point in the air, 1/m, for a path that
+    /// came along `dir`.
+    fn draw_in_air(&self, point: Vec3, dir: Vec3, [pick, u, v, _]: [f32; 4], counters: &Counters) -> Option<Vec3> {
+        let strategies = self.emitters.strategies_in_air();
+        let draws = 1.0 / strategies.len() as f32;
+        let place = pick * strategies.len() as f32;
+        let strategy = *strategies.get((place as usize).min(strategies.len().checked_sub(1)?))?;
+        let (irradiance, towards, pdf) = self.draw_at(point, strategy, [place.fract(), u, v], counters)?;
+        let weight = match pdf {
+            Some(pdf) if !M::CACHED => power_heuristic(draws * pdf, self.media.deflect_pdf(point, dir, towards)),
+            _ => 1.0,
+        };
+        Some(irradiance * self.media.scatter(point, dir, towards) * (weight / draws))
+    }
+
+    /// Irradiance on a surface perpendicular to the way from one emitter at a point in the air; with the direction
+    /// towards it and its density.
+    pub(super) fn draw_at(
+        &self,
+        point: Vec3,
+        strategy: Strategy,
+        u: [f32; 3],
+        counters: &Counters,
+    ) -> Option<(Vec3, Vec3, Option<f32>)> {
+        let LightSample { target, irradiance, pdf } =
+            self.emitters.sample(self.tracer, strategy, point, Vec3::ZERO, u)?;
+        let (ray, towards) = match target {
+            Target::Point(target) => {
+                let way = target - point;
+                (Ray { origin: point, dir: way, t_max: 1.0 }, way.try_normalize()?)
+            }
+            Target::Direction(dir) => (Ray { origin: point, dir, t_max: f32::INFINITY }, dir),
+        };
+        if irradiance == Vec3::ZERO {
+            return None;
+        }
+        Some((irradiance * self.visibility(&ray, towards, counters)?, towards, pdf))
+    }
+
+    /// What surfaces and air leave of light along a shadow ray; `None` where it is blocked.
+    fn visibility(&self, ray: &Ray, dir: Vec3, counters: &Counters) -> Option<Vec3> {
+        counters.shadow_rays.set(counters.shadow_rays.get() + 1);
+        let passed = self.tracer.transmittance(ray);
+        (passed != Vec3::ZERO).then(|| passed * self.through_air(ray, dir))
+    }
+
+    /// Radiance towards the leg's start of lamps' light that the leg scatters once.
+    fn lamps_along(&self, leg: &Leg, arrival: &Arrival, u: [f32; 4], counters: &Counters) -> Vec3 {
+        let Some(stretch) = self.media.scattering_stretch(leg) else { return Vec3::ZERO };
+        let ends = (leg.at(stretch.0), leg.at(stretch.1.min(stretch.0 + LONGEST_STRETCH)));
+        let Some((lamp, probability)) = self.emitters.lamp_along(ends.0, ends.1, u[0]) else { return Vec3::ZERO };
+        let scattered = self.scattered_once(leg, stretch, lamp, [u[1], u[2], u[3]], arrival, counters);
+        scattered.map_or(Vec3::ZERO, |(radiance, aperture, offset)| radiance * (aperture / (offset * probability)))
+    }
+
+    /// The same for all directions around a start: radiance over the density of the direction, the direction, and the
+    /// cosine at the start (1 in the air).
+    pub(super) fn lamps_around(
+        &self,
+        start: &Vertex,
+        air: &mut Sampler,
+        counters: &Counters,
+    ) -> Option<(Vec3, Vec3, f32)> {
+        if !M::PRESENT || !self.emitters.has_lamps() {
+            return None;
+        }
+        let ([pick, polar, azimuth, crossing], u) = (air.next4(), air.next4());
+        let (lamp, probability) = self.emitters.lamp_along(start.origin, start.origin, pick)?;
+        let way = punctual::ball(lamp)?.0 - start.origin;
+        let (sin, cos) = (PI * polar).sin_cos();
+        let (sin_phi, cos_phi) = (2.0 * PI * azimuth).sin_cos();
+        let dir = warp::about(way.normalize_or(Vec3::Y), Vec3::new(sin * cos_phi, sin * sin_phi, cos)).normalize();
+        let is_air = start.normal_geom == Vec3::ZERO;
+        let received = if is_air { 1.0 } else { dir.dot(start.normal_shading) };
+        if received <= 0.0 || (!is_air && dir.dot(start.normal_geom) <= 0.0) {
+            return None;
+        }
+        let arrival = self.travel(start.origin, dir, crossing, counters);
+        let leg = Leg { origin: start.origin, dir, length: arrival.distance };
+        let stretch = self.media.scattering_stretch(&leg)?;
+        let (radiance, aperture, offset) =
+            self.scattered_once(&leg, stretch, lamp, [u[0], u[1], u[2]], &arrival, counters)?;
+        // The density of the direction is 1/(2π² sin γ); sin γ / offset is 1 / distance to the lamp, hence bounded.
+        Some((radiance * (aperture * 2.0 * PI * PI * (sin / offset) / probability), dir, received))
+    }
+
+    /// One point of the leg, drawn equi-angularly about a lamp: the lamp's light scattered there back along the leg, over
+    /// the density up to the factor `aperture / offset` (radians, metres), which is returned beside it.
+    fn scattered_once(
+        &self,
+        leg: &Leg,
+        (near, far): (f32, f32),
+        lamp: &Light,
+        u: [f32; 3],
+        arrival: &Arrival,
+        counters: &Counters,
+    ) -> Option<(Vec3, f32, f32)> {
+        let (centre, radius) = punctual::ball(lamp)?;
+        let way = centre - leg.origin;
+        let nearest = way.dot(leg.dir);
+        let offset = (way - nearest * leg.dir).length().max(radius);
+        let (from, to) = (((near - nearest) / offset).atan(), ((far - nearest) / offset).atan());
+        let along = offset * (from + u[0] * (to - from)).tan();
+        let distance = (nearest + along).clamp(near, far);
+        let point = leg.at(distance);
+        let (target, irradiance) = punctual::sample(lamp, point, u[1], u[2])?;
+        if irradiance == Vec3::ZERO {
+            return None;
+        }
+        let ray = Ray { origin: point, dir: target - point, t_max: 1.0 };
+        let towards = ray.dir.try_normalize()?;
+        let scatter = self.media.scatter(point, leg.dir, towards);
+        if scatter == Vec3::ZERO {
+            return None;
+        }
+        let passed = self.media.transmittance(&Leg { length: distance, ..*leg }) * arrival.passed_before(distance);
+        let lit = irradiance * self.visibility(&ray, towards, counters)?;
+        // Density of the distance is offset / (aperture · (offset² + along²)).
+        Some((passed * scatter * lit * (offset * offset + along * along), to - from, offset))
+    }
+}

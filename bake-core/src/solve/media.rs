@@ -1,0 +1,283 @@
+//! What the air does to light on a straight leg of a path: weakens it, and throws it out of its way.
+//!
+//! A solver is compiled for one kind of [`Media`]; [`Vacuum`] leaves nothing of this in it.
+
+use bake_formats::Term;
+use bake_optics::medium::{self, MediumSet};
+use bake_optics::phase::Deflection;
+use glam::{DVec3, Vec3};
+use std::f32::consts::TAU;
+
+/// A straight leg of a path.
+#[derive(Debug, Clone, Copy)]
+pub struct Leg {
+    /// Start, metres.
+    pub origin: Vec3,
+    /// Unit direction.
+    pub dir: Vec3,
+    /// Length, metres; infinite where nothing is met.
+    pub length: f32,
+}
+
+/// How a sampled flight along a leg ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Flight {
+    /// It reaches the leg's end; transmittance over the probability of that.
+    Through(Vec3),
+    /// It ends in the air.
+    Collision {
+        /// Where, metres from the leg's start.
+        distance: f32,
+        /// Transmittance over the density per metre; the coefficient of scattering is not in it, see [`Media::scatter`].
+        weight: Vec3,
+    },
+}
+
+/// A direction drawn after a collision.
+#[derive(Debug, Clone, Copy)]
+pub struct Deflected {
+    /// Unit direction.
+    pub dir: Vec3,
+    /// `sigma_s` times phase function over the density, 1/m.
+    pub weight: Vec3,
+    /// Density per solid angle.
+    pub pdf: f32,
+}
+
+/// Air along straight legs.
+pub trait Media: Sync {
+    /// Whether there is any: false removes the air from a solver.
+    const PRESENT: bool;
+
+    /// The terms into which light falls.
+    const TERMS: &'static [Term] = &Term::ALL;
+
+    /// Whether [`Media::cached`] knows the light in the air; paths then do not turn there.
+    const CACHED: bool = false;
+
+    /// Share of light that passes the leg, per channel.
+    fn transmittance(&self, leg: &Leg) -> Vec3;
+
+    /// The stretch of the leg outside which nothing scatters, metres from its start.
+    fn scattering_stretch(&self, leg: &Leg) -> Option<(f32, f32)>;
+
+    /// Samples how far light gets on the leg; `throughput` decides which channel leads.
+    fn fly(&self, leg: &Leg, throughput: Vec3, u: [f32; 2]) -> Flight;
+
+    /// Distance at which light is scattered on the stretch, sampled in proportion to what collides of the leading
+    /// channel, with transmittance up to there over the density per metre.
+    fn collide(&self, leg: &Leg, throughput: Vec3, u: [f32; 2]) -> Option<(f32, Vec3)>;
+
+    /// Coefficient of scattering times phase function, 1/(m sr) per channel, for light that travels along `from`
+    /// before and along `to` after.
+    fn scatter(&self, point: Vec3, from: Vec3, to: Vec3) -> Vec3;
+
+    /// Draws where light came from that leaves `point` against `dir` (the direction in which the path is followed).
+    fn deflect(&self, point: Vec3, dir: Vec3, u: [f32; 3]) -> Option<Deflected>;
+
+    /// Density per solid angle with which [`Media::deflect`] draws `to`.
+    fn deflect_pdf(&self, point: Vec3, dir: Vec3, to: Vec3) -> f32;
+
+    /// In-scattered radiance per metre against `dir` of light that comes straight from surfaces, and of light that
+    /// collided before.
+    fn cached(&self, _point: Vec3, _dir: Vec3) -> [Vec3; 2] {
+        [Vec3::ZERO; 2]
+    }
+}
+
+/// No air.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Vacuum;
+
+impl Media for Vacuum {
+    const PRESENT: bool = false;
+    const TERMS: &'static [Term] = &[Term::Direct, Term::Indirect];
+
+    #[inline(always)]
+    fn transmittance(&self, _: &Leg) -> Vec3 {
+        Vec3::ONE
+    }
+
+    fn scattering_stretch(&self, _: &Leg) -> Option<(f32, f32)> {
+        None
+    }
+
+    fn fly(&self, _: &Leg, _: Vec3, _: [f32; 2]) -> Flight {
+        Flight::Through(Vec3::ONE)
+    }
+
+    fn collide(&self, _: &Leg, _: Vec3, _: [f32; 2]) -> Option<(f32, Vec3)> {
+        None
+    }
+
+    fn scatter(&self, _: Vec3, _: Vec3, _: Vec3) -> Vec3 {
+        Vec3::ZERO
+    }
+
+    fn deflect(&self, _: Vec3, _: Vec3, _: [f32; 3]) -> Option<Deflected> {
+        None
+    }
+
+    fn deflect_pdf(&self, _: Vec3, _: Vec3, _: Vec3) -> f32 {
+        0.0
+    }
+}
+
+/// Any sum of media, through their closed forms in double precision.
+#[derive(Debug, Clone)]
+pub struct Fog<'a> {
+    set: &'a MediumSet,
+    /// Whether any of it scatters; what only absorbs needs no sampling.
+    scatters: bool,
+}
+
+impl<'a> Fog<'a> {
+    /// The sum of all media.
+    pub fn new(set: &'a MediumSet) -> Self {
+        Self { set, scatters: set.media.iter().any(is_scattering) }
+    }
+
+    /// Extinction times transmittance at `distance`, and that transmittance.
+    fn density(&self, ray: &medium::Ray, distance: f64) -> (DVec3, DVec3) {
+        let passed = self.set.transmittance(&medium::Ray { length: distance, ..*ray });
+        (DVec3::from(self.set.sigma_t(ray.at(distance))) * DVec3::from(passed), DVec3::from(passed))
+    }
+}
+
+impl Media for Fog<'_> {
+    const PRESENT: bool = true;
+
+    fn transmittance(&self, leg: &Leg) -> Vec3 {
+        DVec3::from(self.set.transmittance(&leg.ray())).as_vec3()
+    }
+
+    fn scattering_stretch(&self, leg: &Leg) -> Option<(f32, f32)> {
+        let ray = leg.ray();
+        let scattering = self.set.media.iter().filter(|m| is_scattering(m));
+        scattering
+            .filter_map(|m| m.bounds.clip(&ray))
+            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+            .map(|(near, far)| (near as f32, far as f32))
+    }
+
+    fn fly(&self, leg: &Leg, throughput: Vec3, u: [f32; 2]) -> Flight {
+        let ray = leg.ray();
+        if !self.scatters {
+            return Flight::Through(self.transmittance(leg));
+        }
+        let (lead, shares) = leading_channel(throughput, u[0]);
+        let distance = self.set.free_path(&ray, lead, -f64::from(-u[1]).ln_1p());
+        if distance < ray.length {
+            let (density, passed) = self.density(&ray, distance);
+            let pdf = shares.dot(density);
+            let weight = if pdf > 0.0 { (passed / pdf).as_vec3() } else { Vec3::ZERO };
+            return Flight::Collision { distance: distance as f32, weight };
+        }
+        let passed = DVec3::from(self.set.transmittance(&ray));
+        let probability = shares.dot(passed);
+        Flight::Through(if probability > 0.0 { (passed / probability).as_vec3() } else { Vec3::ZERO })
+    }
+
+    fn collide(&self, leg: &Leg, throughput: Vec3, u: [f32; 2]) -> Option<(f32, Vec3)> {
+        let ray = leg.ray();
+        let (lead, shares) = leading_channel(throughput, u[0]);
+        let depth = DVec3::from(self.set.optical_depth(&ray));
+        let collided = depth.to_array().map(|tau| -(-tau).exp_m1());
+        let target = -(-f64::from(u[1]) * collided[lead]).ln_1p();
+        let distance = self.set.free_path(&ray, lead, target).min(ray.length);
+        let (density, passed) = self.density(&ray, distance);
+        let conditional =
+            DVec3::from_array(std::array::from_fn(|c| if collided[c] > 0.0 { density[c] / collided[c] } else { 0.0 }));
+        let pdf = shares.dot(conditional);
+        (pdf > 0.0 && distance.is_finite()).then(|| (distance as f32, (passed / pdf).as_vec3()))
+    }
+
+    fn scatter(&self, point: Vec3, from: Vec3, to: Vec3) -> Vec3 {
+        let at = point.as_dvec3();
+        let deflection = Deflection::between(from.as_dvec3().to_array(), to.as_dvec3().to_array());
+        let of = |m: &medium::Medium| {
+            let density = m.density_at(at);
+            if density > 0.0 {
+                DVec3::from(m.scatter.sigma_s) * (density * m.phase.eval_deflected(deflection))
+            } else {
+                DVec3::ZERO
+            }
+        };
+        self.set.media.iter().map(of).sum::<DVec3>().as_vec3()
+    }
+
+    fn deflect(&self, point: Vec3, dir: Vec3, u: [f32; 3]) -> Option<Deflected> {
+        let at = point.as_dvec3();
+        let strength = |m: &medium::Medium| strength(m, at);
+        let total: f64 = self.set.media.iter().map(strength).sum();
+        if total <= 0.0 {
+            return None;
+        }
+        let mut rest = f64::from(u[2]) * total;
+        let chosen = self.set.media.iter().find(|m| {
+            rest -= strength(m);
+            rest < 0.0
+        });
+        let chosen = chosen.or_else(|| self.set.media.iter().rev().find(|m| strength(m) > 0.0))?;
+        let drawn = chosen.phase.sample(f64::from(u[0])).deflection;
+        let sin = (drawn.one_minus_cos * drawn.one_plus_cos).sqrt() as f32;
+        let (sin_phi, cos_phi) = (TAU * u[1]).sin_cos();
+        let to = super::warp::about(dir, Vec3::new(sin * cos_phi, sin * sin_phi, drawn.cos_theta as f32)).normalize();
+        // All phase functions depend on the deflection alone: the sum needs no second look at directions.
+        let (mut weight, mut pdf) = (DVec3::ZERO, 0.0);
+        for m in &self.set.media {
+            let share = strength(m) / total;
+            if share > 0.0 {
+                pdf += share * m.phase.pdf(drawn);
+                weight += DVec3::from(m.scatter.sigma_s) * (m.density_at(at) * m.phase.eval_deflected(drawn));
+            }
+        }
+        (pdf > 0.0).then(|| Deflected { dir: to, weight: (weight / pdf).as_vec3(), pdf: pdf as f32 })
+    }
+
+    fn deflect_pdf(&self, point: Vec3, dir: Vec3, to: Vec3) -> f32 {
+        let deflection = Deflection::between(dir.as_dvec3().to_array(), to.as_dvec3().to_array());
+        let (mut pdf, mut total) = (0.0, 0.0);
+        for m in &self.set.media {
+            let strength = strength(m, point.as_dvec3());
+            total += strength;
+            pdf += if strength > 0.0 { strength * m.phase.pdf(deflection) } else { 0.0 };
+        }
+        if total > 0.0 { (pdf / total) as f32 } else { 0.0 }
+    }
+}
+
+impl Leg {
+    /// The point at `distance`, kept before the leg's end, so that rounding does not put it behind the surface there.
+    pub fn at(&self, distance: f32) -> Vec3 {
+        self.origin + self.dir * distance.min(self.length * (1.0 - 4.0 * f32::EPSILON))
+    }
+
+    fn ray(&self) -> medium::Ray {
+        medium::Ray::from_single(self.origin, self.dir, self.length)
+    }
+}
+
+/// How much a medium scatters at a point over all channels, 1/m.
+fn strength(medium: &medium::Medium, at: DVec3) -> f64 {
+    medium.density_at(at) * medium.scatter.sigma_s.iter().sum::<f64>()
+}
+
+fn is_scattering(medium: &medium::Medium) -> bool {
+    medium.scatter.sigma_s.iter().any(|&sigma| sigma > 0.0)
+}
+
+/// One channel drawn in proportion to what the path still carries, and each channel's share: densities are summed over
+/// all channels (balance heuristic), so that no channel gets an unbounded weight.
+fn leading_channel(throughput: Vec3, u: f32) -> (usize, DVec3) {
+    let sum = throughput.element_sum();
+    let shares = if sum > 0.0 { throughput / sum } else { Vec3::splat(1.0 / 3.0) };
+    let lead = if u < shares.x {
+        0
+    } else if u < shares.x + shares.y {
+        1
+    } else {
+        2
+    };
+    (lead, shares.as_dvec3())
+}

@@ -1,0 +1,159 @@
+//! Light through air against independent truth: closed rooms, a courtyard, slabs, furnaces and laws.
+
+use super::*;
+use crate::scene::{Material, Mesh};
+use bake_optics::medium::{Bounds, Medium, Scatter};
+use bake_optics::phase::Phase;
+use glam::DVec3;
+use std::path::Path;
+use testkit::reference::{Row, read_csv, shared};
+
+/// Irradiance at points of the world (red channel) with its standard error.
+pub fn irradiance<M: Media>(scene: &Scene, media: &M, points: &[(Vec3, Vec3)], samples: u32) -> Vec<(f64, f64)> {
+    let tracer = Tracer::new(scene);
+    let emitters = Emitters::new(&tracer);
+    let paths = Paths { tracer: &tracer, emitters: &emitters, media, bounces: u32::MAX, sh1: false };
+    let at = |(index, &(point, normal)): (usize, &(Vec3, Vec3))| {
+        let start = path::Vertex { origin: point + normal * 1e-4, normal_geom: normal, normal_shading: normal };
+        let replicates: Vec<f64> = (0..32)
+            .map(|replicate| {
+                let seed = hash(index as u32, replicate);
+                let one = |i| paths.gather(&start, &mut Sampler::new(i, seed), &Counters::default());
+                let sum: f64 = (0..samples / 32).map(|i| f64::from(one(i).terms.iter().sum::<Vec3>().x)).sum();
+                sum / f64::from(samples / 32)
+            })
+            .collect();
+        testkit::statistics::mean_and_error(&replicates)
+    };
+    points.par_iter().enumerate().map(at).collect()
+}
+
+/// A homogeneous medium.
+pub fn uniform(bounds: Bounds, sigma_t: f64, albedo: f64, phase: Phase<f64>) -> MediumSet {
+    let scatter = Scatter { sigma_s: [sigma_t * albedo; 3], sigma_a: [sigma_t * (1.0 - albedo); 3] };
+    MediumSet { media: vec![Medium { bounds, scatter, phase, ..Medium::default() }] }
+}
+
+/// How a bake stands against truth; points whose truth is uncertain by more than 2 % are left out.
+#[derive(Debug)]
+struct Score {
+    /// Of the mean.
+    bias: f64,
+    /// Relative RMSE of architecture, with the variances of truth and bake taken off.
+    rmse: f64,
+    /// What was taken off for the bake.
+    noise: f64,
+    points: usize,
+}
+
+impl Score {
+    /// Whether bias and error lie within limits, given three standard deviations of what chance does to both.
+    fn holds(&self, bias: f64, rmse: f64) -> bool {
+        let n = self.points as f64;
+        let chance = 3.0 * (2.0 / n).sqrt() * self.noise.powi(2);
+        self.bias.abs() < bias + 3.0 * self.noise / n.sqrt() && self.rmse.powi(2) < rmse.powi(2) + chance
+    }
+}
+
+fn score(name: &str, got: &[(f64, f64)], truth: &[Row]) -> Score {
+    let want: Vec<(f64, f64)> = truth.iter().map(|row| (row.number("E"), row.number("se"))).collect();
+    let mean = want.iter().map(|w| w.0).sum::<f64>() / want.len() as f64;
+    let sure: Vec<usize> = (0..want.len()).filter(|&i| want[i].1 < 0.02 * want[i].0).collect();
+    let total = |f: &dyn Fn(usize) -> f64| sure.iter().map(|&i| f(i)).sum::<f64>();
+    let relative = |i: usize, value: f64| (value / want[i].0.max(0.01 * mean)).powi(2) / sure.len() as f64;
+    let bias = total(&|i| got[i].0) / total(&|i| want[i].0) - 1.0;
+    let noise = total(&|i| relative(i, got[i].1));
+    let known = noise + total(&|i| relative(i, want[i].1));
+    let rmse = (total(&|i| relative(i, got[i].0 - want[i].0)) - known).max(0.0).sqrt();
+    let score = Score { bias, rmse, noise: noise.sqrt(), points: sure.len() };
+    let [b, r, n] = [bias, rmse, score.noise].map(|x| 100.0 * x);
+    println!("{name}: bias {b:+.2} %, RMSE {r:.2} % beside a noise of {n:.2} %, {} points", sure.len());
+    score
+}
+
+fn points(rows: &[Row]) -> Vec<(Vec3, Vec3)> {
+    let vector = |row: &Row, names: [&str; 3]| DVec3::from(names.map(|name| row.number(name))).as_vec3();
+    rows.iter().map(|row| (vector(row, ["x", "y", "z"]), vector(row, ["nx", "ny", "nz"]))).collect()
+}
+
+/// The closed room of the box truths; walls in the order x0, x1, y0, y1, z0, z1.
+pub fn room(albedo: [f32; 6]) -> Scene {
+    let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+    let walls = [(Vec3::ZERO, y, z), (x, z, y), (Vec3::ZERO, z, x), (y, x, z), (Vec3::ZERO, x, y), (z, y, x)];
+    let meshes: Vec<Mesh> = (0..6).map(|i| quad(walls[i].0, walls[i].1, walls[i].2, i as u32)).collect();
+    scene(meshes, albedo.map(matte).to_vec())
+}
+
+const ROOM: [f32; 6] = [0.3, 0.7, 0.5, 0.5, 0.4, 0.6];
+
+fn unit_box() -> Bounds {
+    Bounds::Box { min: DVec3::ZERO, max: DVec3::ONE }
+}
+
+/// The rooms 1 to 3 of the reference: scene, air, truth.
+fn truth_room(number: usize, path: &Path) -> (Scene, MediumSet, Vec<Row>) {
+    let mut scene = room(ROOM);
+    let (sigma_t, albedo) = [(0.2, 1.0), (1.0, 1.0), (3.0, 0.7)][number - 1];
+    if number == 3 {
+        let glow = Material { emission: Vec3::splat(10.0), ..matte(0.6) };
+        scene.materials.push(glow);
+        scene.meshes.push(quad(Vec3::new(0.35, 0.35, 0.9999), Vec3::Y * 0.3, Vec3::X * 0.3, 6));
+        scene.instances.push(crate::test_scenes::instance(6, Affine3A::IDENTITY));
+    } else {
+        scene.lights = vec![point_light(Vec3::new(0.45, 0.4, 0.7), 1.0)];
+    }
+    (scene, uniform(unit_box(), sigma_t, albedo, Phase::Isotropic), read_csv(path))
+}
+
+#[test]
+fn walk_meets_the_closed_rooms() {
+    for number in 1..=3 {
+        let Some(path) = shared(&format!("reference/box_truth_s{number}.csv")) else { return };
+        let (scene, air, truth) = truth_room(number, &path);
+        let got = irradiance(&scene, &Fog::new(&air), &points(&truth), 1024);
+        let result = score(&format!("walk, room {number}"), &got, &truth);
+        if number == 1 {
+            let brighter: Vec<_> = got.iter().map(|g| (g.0 * 1.03, g.1)).collect();
+            assert!(!score("3 % too bright", &brighter, &truth).holds(0.01, 0.03));
+        }
+        assert!(result.holds(0.01, 0.03), "{result:?}");
+    }
+}
+
+/// The courtyard of the open truths: by day under a sun, or at night with a point light.
+fn courtyard() -> Scene {
+    let boxes = [
+        ((-10.0, -10.0, -1.0), (10.0, 10.0, 0.0), 0),
+        ((-5.0, -5.0, 0.0), (-4.0, 5.0, 4.0), 1),
+        ((-4.0, 4.0, 0.0), (5.0, 5.0, 3.0), 1),
+        ((1.0, -3.5, 0.0), (3.5, -1.0, 2.5), 1),
+    ];
+    let meshes = boxes.iter().map(|&(min, max, material)| closed_box(min.into(), max.into(), false, material));
+    scene(meshes.collect(), vec![matte(0.4), matte(0.5)])
+}
+
+fn courtyard_air() -> MediumSet {
+    let bounds = Bounds::Box { min: DVec3::new(-10.0, -10.0, 0.0), max: DVec3::new(10.0, 10.0, 8.0) };
+    uniform(bounds, 0.125, 1.0, Phase::Isotropic)
+}
+
+fn sun(irradiance: f32, towards: Vec3) -> Light {
+    let kind = LightKind::Directional { direction: -towards.normalize(), angular_radius: 0.0 };
+    Light { path: "sun".into(), color: Vec3::splat(irradiance), kind }
+}
+
+#[test]
+fn walk_meets_the_courtyard() {
+    for (number, light, samples) in [
+        (1, sun(4.0, Vec3::new(-0.612_372_46, -0.353_553_4, 0.707_106_77)), 2048),
+        (2, point_light(Vec3::new(-1.0, 1.0, 2.0), 100.0), 4096),
+    ] {
+        let Some(path) = shared(&format!("reference/open_truth_o{number}.csv")) else { return };
+        let mut scene = courtyard();
+        scene.lights = vec![light];
+        let truth = read_csv(&path);
+        let got = irradiance(&scene, &Fog::new(&courtyard_air()), &points(&truth), samples);
+        let score = score(&format!("walk, courtyard {number}"), &got, &truth);
+        assert!(score.holds(0.01, 0.03), "{score:?}");
+    }
+}
