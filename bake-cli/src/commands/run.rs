@@ -1,7 +1,6 @@
 //! `bake run`: the main job, from a scene file to a package on disk.
 
 use crate::cli::Global;
-use crate::commands::later;
 use crate::exit::{Failure, Outcome};
 use crate::flags::RARE;
 use crate::input::{HELP_TEMPLATE, Input};
@@ -53,9 +52,6 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
 fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, Failure> {
     let mut stopwatch = Stopwatch::default();
     let mut job = Job::prepare(&args.input, progress, &mut stopwatch)?;
-    if !job.air.is_empty() {
-        return Err(later::refuse("a bake with fog (`media`, `--fog`)"));
-    }
     // An output that cannot be written is told before hours of tracing, not after.
     let folder = args.output.clone().unwrap_or_else(|| args.input.file.with_extension("bake"));
     let output = Output::open(&folder, &job.scene.name)?;
@@ -98,8 +94,7 @@ fn trace(job: &Job, progress: &Progress, stopwatch: &mut Stopwatch) -> Result<Li
     let tracer = stopwatch.time("build trees", || Tracer::new(&job.scene));
     stop_if_interrupted(progress)?;
     let settings = job.settings.lightmap_settings();
-    let traced =
-        stopwatch.time("trace", || solve::lightmap(&tracer, &Default::default(), &job.atlas, &settings, progress));
+    let traced = stopwatch.time("trace", || solve::lightmap(&tracer, &job.air.media, &job.atlas, &settings, progress));
     traced.map_err(|_| Failure::Interrupted)
 }
 

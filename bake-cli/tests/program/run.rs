@@ -121,9 +121,17 @@ fn a_scene_without_light_or_with_damage_is_refused_by_both_commands() {
 }
 
 #[test]
+fn fog_gives_all_four_terms() {
+    let desk = Desk::with_room();
+    desk.bake("run room.glb --fog sigma_t=0.5,albedo=0.9 --samples 16 --page-size 32 --max-pages 1 -o fog")
+        .expect(0, &[]);
+    let package = Package::open(&desk.path("fog")).expect("a package");
+    assert_eq!(package.manifest.terms, Term::ALL);
+}
+
+#[test]
 fn effects_of_later_versions_are_refused_by_name() {
     let desk = Desk::with_room();
-    desk.bake("run room.glb --fog sigma_t=0.5,albedo=0.9").expect(2, &["fog", "not in this version"]);
     desk.bake("plan room.glb --probes 1").expect(2, &["probe", "not in this version"]);
 }
 
