@@ -1,4 +1,4 @@
-//! One look-up of an area's irradiance for three colour channels beside one closest-hit query, so that the reader sees the ratio.
+//! One look-up of irradiance for three colour channels beside one closest-hit query, so that the reader sees the ratio.
 //!
 //! Places run through a fixed list that no cache holds whole in order. The mesh: a bumpy sphere of 20 000 triangles, rays from inside it.
 
@@ -11,7 +11,7 @@ use obvhs::BvhBuildParams;
 use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::ray::{Ray, RayHit};
 use obvhs::triangle::Triangle;
-use tables::{Air, AxialRgb, Geometry, Scatter, TableSet};
+use tables::{Air, Geometry, Scatter, TableSet, ZonalRgb};
 
 const COUNT: usize = 4096;
 
@@ -41,38 +41,63 @@ fn mesh() -> Vec<Triangle> {
     quads.flat_map(split).collect()
 }
 
-fn look_up(c: &mut Criterion) {
-    let set = TableSet::embedded();
-    let rgb = AxialRgb([1.0, 0.9, 0.8].map(|albedo| set.area(&Air::isotropic(albedo), Scatter::Single)));
-    let single = set.point(&Air::isotropic(1.0), Scatter::Single);
+/// A receiver, an emitter and the distance between them.
+struct Case {
+    normal: Vec3,
+    aim: Vec3,
+    axis: Vec3,
+    distance: f32,
+}
+
+/// Distances from 0.01 to 10 m, in no order.
+fn cases() -> Vec<Case> {
     let (normals, aims, axes) = (directions(1), directions(1789), directions(911));
     let distance = |i: usize| 0.01 * 1000f32.powf((i as f32 * 0.618_034).fract());
-    let mut next = 0;
-    let mut step = move || {
-        next = (next + 1) % COUNT;
-        black_box(next)
-    };
-    let mut group = c.benchmark_group("look-up");
-    group.bench_function("area, irradiance, RGB", |b| {
+    (0..COUNT).map(|i| Case { normal: normals[i], aim: aims[i], axis: axes[i], distance: distance(i) }).collect()
+}
+
+const SIGMA: [f32; 3] = [0.5, 1.0, 2.0];
+
+fn look_up(c: &mut Criterion) {
+    let set = TableSet::embedded();
+    let airs = [1.0, 0.9, 0.8].map(Air::isotropic);
+    let area = set.area_rgb(&airs, Scatter::Single);
+    let orders = set.area_rgb(&airs, Scatter::Multiple(3));
+    let light = ZonalRgb::new(airs.each_ref().map(|air| set.point(air, Scatter::Single)));
+    let sun = ZonalRgb::new(airs.each_ref().map(|air| set.directional(air, Scatter::Single)));
+    let cases = cases();
+    let mut forever = (0..COUNT).cycle().map(|i| &cases[black_box(i)]);
+    let mut step = || forever.next().expect("no end");
+    let mut group = c.benchmark_group("irradiance");
+    for (name, rgb) in [("area, RGB, once scattered", &area), ("area, RGB, orders 2 and 3", &orders)] {
+        group.bench_function(name, |b| {
+            b.iter(|| {
+                let Case { normal, aim, axis, distance } = *step();
+                rgb.irradiance(SIGMA, distance, &Geometry::new(normal, aim, axis))
+            });
+        });
+    }
+    group.bench_function("area, one channel", |b| {
         b.iter(|| {
-            let i = step();
-            let geometry = Geometry::new(normals[i], aims[i], axes[i]);
-            rgb.irradiance([0.5, 1.0, 2.0], distance(i), &geometry)
+            let Case { normal, aim, axis, distance } = *step();
+            area.channels()[1].irradiance(1.0, distance, &Geometry::new(normal, aim, axis))
         });
     });
-    group.bench_function("point, irradiance, one channel", |b| {
-        b.iter(|| {
-            let i = step();
-            single.irradiance(1.0, distance(i), normals[i].dot(aims[i]))
+    for (name, rgb) in [("point, RGB", &light), ("directional, RGB", &sun)] {
+        group.bench_function(name, |b| {
+            b.iter(|| {
+                let case = step();
+                rgb.irradiance(SIGMA, case.distance, case.normal.dot(case.aim))
+            });
         });
-    });
-    group.bench_function("loop and distance alone", |b| b.iter(|| distance(step())));
+    }
+    group.bench_function("the loop alone", |b| b.iter(|| step().distance));
     let triangles = mesh();
     let bvh = build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
     group.bench_function("closest hit, 20 000 triangles", |b| {
         b.iter(|| {
-            let i = step();
-            let ray = Ray::new_inf((0.6 * normals[i]).into(), aims[i].into());
+            let case = step();
+            let ray = Ray::new_inf((0.6 * case.normal).into(), case.aim.into());
             let mut hit = RayHit::none();
             let at = |ray: &Ray, id: usize| triangles[bvh.primitive_indices[id] as usize].intersect(ray);
             bvh.ray_traverse(ray, &mut hit, at);

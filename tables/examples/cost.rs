@@ -17,7 +17,7 @@ use tables::area::compute_exact;
 use tables::curves::Grid;
 use tables::fitted::{ANGLES, BANDS, Fit, harmonics};
 use tables::transport::phase_basis::PhaseBasis;
-use tables::{Air, AxialRgb, Geometry, Layout, Recipe, Scatter, TableSet, set};
+use tables::{Air, Geometry, Layout, Recipe, Scatter, TableSet, set};
 
 const BINS: [usize; 5] = [32, 64, 128, 256, 512];
 const BAND_COUNTS: [usize; 7] = [3, 5, 7, 9, 11, 13, 15];
@@ -139,7 +139,7 @@ fn time(mut look_up: impl FnMut(f32, Vec3, Vec3, Vec3) -> f32) -> f64 {
         black_box(sum);
         start.elapsed().as_nanos() as f64 / places.len() as f64
     };
-    (0..60).map(round).fold(f64::INFINITY, f64::min)
+    (0..400).map(round).fold(f64::INFINITY, f64::min)
 }
 
 fn look_up_ns(layout: Layout, file: &TableFile, bins: usize) -> f64 {
@@ -147,7 +147,7 @@ fn look_up_ns(layout: Layout, file: &TableFile, bins: usize) -> f64 {
     let airs = [1.0, 0.9, 0.8].map(Air::isotropic);
     let sigma = [0.5, 1.0, 2.0];
     if layout == Layout::Harmonic {
-        let rgb = AxialRgb(airs.map(|air| set.area(&air, Scatter::Single)));
+        let rgb = set.area_rgb(&airs, Scatter::Single);
         return time(|d, n, a, e| rgb.irradiance(sigma, d, &Geometry::new(n, a, e)).iter().sum());
     }
     let rgb = airs.map(|air| set.fitted_area(&air).expect("this layout has an axis"));

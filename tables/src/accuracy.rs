@@ -97,7 +97,7 @@ fn measure_area(set: &TableSet, distances: &[f64]) -> f64 {
     let end = if set.recipe().layout.criterion().is_some() { FRAC_PI_2 } else { PI };
     let at = |(i, &d): (usize, &f64)| {
         let theta = end * (0.25 + 0.754_877_666_246_692_7 * i as f64).fract();
-        let want = area::compute_exact(d, theta, &basis, &HARMONICS, 40);
+        let want = area::compute_exact(d, theta, &basis, &HARMONICS, 64);
         let scale = (-d).exp() / d;
         let error = |response: &crate::AxialResponse, want: &[f64]| {
             let got = response.coefficients(1.0, d as f32, theta.cos() as f32);

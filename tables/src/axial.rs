@@ -15,12 +15,17 @@ use crate::transport::sources::{EMITTER_DEGREES, Source};
 use crate::transport::triangle::Triangle;
 use std::sync::OnceLock;
 
-/// The (l, m) that are kept: all that irradiance sees of l ≤ 4 (its odd l ≥ 3 vanish). Error of irradiance 0.4–1.6 %.
+/// The (l, m) that are kept: all that irradiance sees of l ≤ 4 (its odd l ≥ 3 vanish), and of l = 6 and 8 what light from behind an
+/// emitter needs, a narrow lobe about the line to it. RMS error of irradiance below 2 % at every θ, distance and |g| ≤ 0.8; with
+/// the first eleven 0.4–1.8 % up to 90° and 2 mean free paths, 3–4 % behind or beyond.
 pub const HARMONICS: [(usize, usize); HARMONIC_COUNT] =
-    [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (4, 0), (4, 1), (4, 2), (4, 3), (4, 4)];
+    [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (4, 0), (4, 1), (4, 2), (4, 3), (4, 4), (6, 0), (6, 1), (8, 0)];
 
 /// How many [`HARMONICS`] there are.
-pub const HARMONIC_COUNT: usize = 11;
+pub const HARMONIC_COUNT: usize = 14;
+
+/// Degrees l up to the largest among [`HARMONICS`].
+pub(crate) const DEGREES: usize = 9;
 
 /// Largest m among [`HARMONICS`], plus one.
 const ORDERS_M: usize = 5;
@@ -138,7 +143,7 @@ mod tests {
         for d in [0.01, 1.0, 10.0] {
             let axial = compute_multiple(d, &sources);
             for (source, axial) in sources.iter().zip(&axial) {
-                let point = crate::point::compute_multiple(d, source, 5);
+                let point = crate::point::compute_multiple(d, source, DEGREES);
                 let got = separated(axial, &ALL_DEGREES, 0.7, &{
                     let mut c = vec![0.0; 17];
                     c[0] = 1.0;

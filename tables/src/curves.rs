@@ -7,10 +7,10 @@
 use serde::{Deserialize, Serialize};
 
 /// Canonical distances below this are read at it: a receiver inside the lamp.
-pub const SMALLEST_DISTANCE: f32 = 1e-12;
+pub(crate) const SMALLEST_DISTANCE: f32 = 1e-12;
 
 /// Canonical distances above this are read at it: infinity included.
-const LARGEST_DISTANCE: f32 = 1e12;
+pub(crate) const LARGEST_DISTANCE: f32 = 1e12;
 
 /// Share of the largest distance at which tables per order start to fade.
 const FADE_START: f64 = 0.9;
@@ -117,15 +117,15 @@ pub struct Place {
 /// The mapping of one table in f32, constants folded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DistanceMap {
-    min: f32,
+    pub(crate) min: f32,
     max: f32,
-    fade_from: f32,
-    ln_min: f32,
-    inverse_step: f32,
+    pub(crate) fade_from: f32,
+    pub(crate) ln_min: f32,
+    pub(crate) inverse_step: f32,
     last_row: usize,
     near_end: f32,
-    shape: Shape,
-    rate: f32,
+    pub(crate) shape: Shape,
+    pub(crate) rate: f32,
 }
 
 impl DistanceMap {
@@ -149,13 +149,8 @@ impl DistanceMap {
     #[allow(clippy::manual_clamp, reason = "clamp would let NaN through")]
     pub fn place(&self, d: f32) -> Place {
         let d = d.max(SMALLEST_DISTANCE).min(LARGEST_DISTANCE);
-        self.place_by_ln(d, d.ln())
-    }
-
-    /// The same where ln d is known; `d` at least [`SMALLEST_DISTANCE`].
-    #[inline]
-    pub fn place_by_ln(&self, d: f32, ln_d: f32) -> Place {
-        let scale = (-self.rate * d).exp() / if self.shape.inverse_distance { d } else { 1.0 };
+        let (ln_d, decay) = (d.ln(), (-self.rate * d).exp());
+        let scale = if self.shape.inverse_distance { decay / d } else { decay };
         if d >= self.min && d <= self.fade_from {
             let x = (ln_d - self.ln_min) * self.inverse_step;
             let node = (x.max(0.0) as usize).min(self.last_row - 2);

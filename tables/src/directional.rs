@@ -1,7 +1,9 @@
 //! A directional light that enters a half space of air perpendicularly: zonal coefficients about the direction towards the
 //! light, by depth. Canonical: sigma_t = sigma_s = 1, irradiance 1 W/m² before the boundary.
 //!
-//! The half space has no end below: higher orders hold the light that comes back up from there.
+//! The half space has no end below: higher orders hold the light that comes back up from there. Near the boundary light scattered once
+//! is a spike narrower than a band: with 11 bands irradiance is 4.5 % off at d = 0.01, 0.5 % at 0.1, below 0.03 % from 0.3 on, and
+//! nowhere negative.
 
 use crate::curves::{Curves, Grid, Shape};
 use crate::transport::phase_basis::PhaseBasis;

@@ -1,6 +1,6 @@
 //! The area emitter as Dubouchet et al. 2019 hold it: zonal harmonics about one fitted axis, here for comparison.
 //!
-//! Same bytes as the eleven mirror-symmetric harmonics of [`crate::area`] and 6 to 50 times their error: nothing about one axis
+//! About the bytes of the fourteen mirror-symmetric harmonics of [`crate::area`] and 6 to 50 times their error: nothing about one axis
 //! can follow light that is not symmetric about one. Emitters that face away (θ > 90°) are not in these tables: they give 0.
 //! Canonical: sigma_t = sigma_s = 1, L_o dA = 1.
 

@@ -3,30 +3,51 @@
 //! a = direction from receiver to emitter, n = receiver's normal (or any direction), e = the emitter's axis (a surface's
 //! normal), c = cos θ = −e·a. With p = e − (e·a) a, |p| = sin θ, every `sin^m θ Y_lm(n)` is a polynomial in n·a and n·p.
 
+use crate::area::coordinate;
+use crate::axial::HARMONIC_COUNT;
+use crate::node::Basis;
 use glam::Vec3;
+use wide::f32x4;
 
 /// What a look-up needs to know of receiver and emitter: made once, used for all channels and orders.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Geometry {
     /// Place of cos θ among the angle nodes, −1 … 1.
     pub(crate) angle: f32,
-    /// `A_l sin^m θ Y_lm(n)` in the order of [`crate::axial::HARMONICS`], and one 0.
-    pub(crate) basis: [f32; 12],
+    /// `A_l sin^m θ Y_lm(n)` in the order of [`crate::axial::HARMONICS`].
+    pub(crate) basis: Basis,
 }
 
-/// `A_l`, the norm of Y_lm and the leading factor of the polynomial in one number per harmonic.
-const FACTORS: [f32; 11] = [
-    0.886_226_93,   // π sqrt(1/4π)
-    1.023_326_7,    // 2π/3 sqrt(3/4π)
-    1.023_326_7,    // the same
-    0.247_707_96,   // π/4 sqrt(5/4π) / 2
-    0.858_085_53,   // π/4 sqrt(15/4π)
-    0.429_042_77,   // π/4 sqrt(15/16π)
-    -0.013_847_296, // −π/24 sqrt(9/4π) / 8
-    -0.017_515_598, // −π/24 sqrt(9/4π) sqrt(2/20) / 2
-    -0.061_926_99,  // −π/24 sqrt(9/4π) sqrt(2/360) 15/2
-    -0.231_709_58,  // −π/24 sqrt(9/4π) sqrt(2/5040) 105
-    -0.081_921_71,  // −π/24 sqrt(9/4π) sqrt(2/40320) 105
+/// Norms: `A_l`, the norm of Y_lm and the leading factor of the polynomial.
+const N00: f32 = 0.886_226_93; // π sqrt(1/4π)
+const N1: f32 = 1.023_326_7; // 2π/3 sqrt(3/4π)
+const N20: f32 = 0.247_707_96; // π/4 sqrt(5/4π) / 2
+const N21: f32 = 0.858_085_53; // π/4 sqrt(15/4π)
+const N22: f32 = 0.429_042_77; // π/4 sqrt(15/16π)
+const N40: f32 = -0.013_847_296; // −π/24 sqrt(9/4π) / 8
+const N41: f32 = -0.017_515_598; // −π/24 sqrt(9/4π) sqrt(2/20) / 2
+const N42: f32 = -0.061_926_99; // −π/24 sqrt(9/4π) sqrt(2/360) 15/2
+const N43: f32 = -0.231_709_58; // −π/24 sqrt(9/4π) sqrt(2/5040) 105
+const N44: f32 = -0.081_921_71; // −π/24 sqrt(9/4π) sqrt(2/40320) 105
+const N60: f32 = 0.003_120_446; // π/64 sqrt(13/4π) / 16
+const N61: f32 = 0.028_599_36; // π/64 sqrt(13/4π) sqrt(2/42) 21/8
+const N80: f32 = -0.000_223_022_9; // −π/128 sqrt(17/4π) / 128
+
+/// (2,0), (4,0), (6,0), (8,0): coefficients of 1, z² … z⁸.
+const ZONAL: [[f32; 4]; 5] = [
+    [-N20, 3.0 * N40, -5.0 * N60, 35.0 * N80],
+    [3.0 * N20, -30.0 * N40, 105.0 * N60, -1260.0 * N80],
+    [0.0, 35.0 * N40, -315.0 * N60, 6930.0 * N80],
+    [0.0, 0.0, 231.0 * N60, -12012.0 * N80],
+    [0.0, 0.0, 0.0, 6435.0 * N80],
+];
+
+/// (1,1), (2,1), (4,1), (6,1): coefficients of x times 1, z, z³, z⁵.
+const SIDEWAYS: [[f32; 4]; 4] = [
+    [N1, 0.0, 0.0, 0.0],
+    [0.0, N21, -15.0 * N41, 5.0 * N61],
+    [0.0, 0.0, 35.0 * N41, -30.0 * N61],
+    [0.0, 0.0, 0.0, 33.0 * N61],
 ];
 
 impl Geometry {
@@ -38,37 +59,27 @@ impl Geometry {
         // x = n·p, q² = |n − (n·a)a|² |p|²: the square of what multiplies cos φ in x.
         let x = normal_receiver.dot(axis_emitter) - z * e_a;
         let q2 = (1.0 - z * z).max(0.0) * (1.0 - e_a * e_a).max(0.0);
-        Self { angle: angle_coordinate(-e_a), basis: basis(z, x, q2) }
+        Self { angle: coordinate(-e_a), basis: Basis::new(basis(z, x, q2)) }
     }
 }
 
-/// `s = c sqrt(2/(1 + c²))`: see [`crate::area::AngleGrid`].
+/// `A_l sin^m θ Y_lm`: stripped Legendre polynomials in z times `q^m cos mφ` (Chebyshev) in x = q cos φ; in the lanes of
+/// [`crate::node`], two of them empty.
 #[inline]
-pub(crate) fn angle_coordinate(cos_emitter: f32) -> f32 {
-    let c = cos_emitter.clamp(-1.0, 1.0);
-    c * (2.0 / (1.0 + c * c)).sqrt()
-}
-
-/// `A_l sin^m θ Y_lm`: stripped Legendre polynomials in z times `q^m cos mφ` (Chebyshev) in x = q cos φ.
-#[inline]
-fn basis(z: f32, x: f32, q2: f32) -> [f32; 12] {
-    let f = FACTORS;
+fn basis(z: f32, x: f32, q2: f32) -> [f32x4; 4] {
     let (z2, x2) = (z * z, x * x);
     let double = 2.0 * x2 - q2;
-    [
-        f[0],
-        f[1] * z,
-        f[2] * x,
-        f[3] * (3.0 * z2 - 1.0),
-        f[4] * z * x,
-        f[5] * double,
-        f[6] * ((35.0 * z2 - 30.0) * z2 + 3.0),
-        f[7] * (35.0 * z2 - 15.0) * z * x,
-        f[8] * (7.0 * z2 - 1.0) * double,
-        f[9] * z * (4.0 * x2 - 3.0 * q2) * x,
-        f[10] * (8.0 * x2 * (x2 - q2) + q2 * q2),
-        0.0,
-    ]
+    let (wide_z2, [z0, z1, z2s, z3, z4]) = (f32x4::splat(z2), ZONAL.map(f32x4::from));
+    let zonal = z0 + wide_z2 * (z1 + wide_z2 * (z2s + wide_z2 * (z3 + wide_z2 * z4)));
+    let [s0, s1, s3, s5] = SIDEWAYS.map(f32x4::from);
+    let sideways = f32x4::splat(x) * (s0 + f32x4::splat(z) * (s1 + wide_z2 * (s3 + wide_z2 * s5)));
+    let higher = [
+        N22 * double,
+        N42 * (7.0 * z2 - 1.0) * double,
+        N43 * z * (4.0 * x2 - 3.0 * q2) * x,
+        N44 * (8.0 * x2 * (x2 - q2) + q2 * q2),
+    ];
+    [f32x4::from([0.0, 0.0, N00, N1 * z]), zonal, sideways, f32x4::from(higher)]
 }
 
 /// World SH coefficients, l ≤ 2, index l(l+1)+m, of the incident radiance whose stripped coefficients
@@ -76,7 +87,7 @@ fn basis(z: f32, x: f32, q2: f32) -> [f32; 12] {
 ///
 /// *Equation*: degree 1 is the vector `L_10 a + L_11' p`, degree 2 the traceless matrix
 /// `L_20 (3aaᵀ − 1)/2 + √3/2 [L_21' (apᵀ + paᵀ) + L_22' (ppᵀ − bbᵀ)]`, b = a × p; primes: divided by sin^m θ.
-pub fn probe_sh(stripped: &[f32; 11], to_emitter: Vec3, axis_emitter: Vec3) -> [f32; 9] {
+pub fn probe_sh(stripped: &[f32; HARMONIC_COUNT], to_emitter: Vec3, axis_emitter: Vec3) -> [f32; 9] {
     let a = to_emitter;
     let p = axis_emitter - axis_emitter.dot(a) * a;
     let b = a.cross(p);
@@ -118,14 +129,19 @@ mod tests {
     #[test]
     fn the_contraction_is_the_clamped_cosine_against_real_harmonics() {
         let mut worst = Worst::new("A_l sin^m θ Y_lm(n) (absolute)", 2e-6);
-        let cosine = clamped_cosine::<f64>(5);
+        let cosine = clamped_cosine::<f64>(9);
         for (n, theta) in samples() {
             let axis = Vec3::new(theta.sin(), 0.0, -theta.cos());
-            let geometry = Geometry::new(n, Vec3::Z, axis);
-            let y = real_sh(n.to_array().map(f64::from), 5);
+            let z = n.dot(Vec3::Z);
+            let x = n.dot(axis) - z * axis.z;
+            let got = basis(z, x, (1.0 - z * z).max(0.0) * (1.0 - axis.z * axis.z).max(0.0));
+            assert_eq!(Geometry::new(n, Vec3::Z, axis).basis, Basis::new(got));
+            let got: [f32; 16] = bytemuck::cast(got);
+            let got = |h: usize| got[2 + crate::node::LANES.iter().position(|&lane| lane == h).expect("in a lane")];
+            let y = real_sh(n.to_array().map(f64::from), 9);
             for (h, &(l, m)) in HARMONICS.iter().enumerate() {
                 let want = cosine[l] * f64::from(theta.sin()).powi(m as i32) * y[sh_index(l, m as isize)];
-                worst.record((f64::from(geometry.basis[h]) - want).abs(), || format!("{n} theta {theta} {l},{m}"));
+                worst.record((f64::from(got(h)) - want).abs(), || format!("{n} theta {theta} {l},{m}"));
             }
         }
         worst.check();
@@ -134,7 +150,8 @@ mod tests {
     #[test]
     fn probe_coefficients_are_those_of_the_rotated_radiance() {
         let mut worst = Worst::new("probe SH against the radiance itself (absolute)", 3e-6);
-        let stripped = [0.9, -0.4, 0.7, 0.3, -0.8, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let stripped: [f32; HARMONIC_COUNT] =
+            std::array::from_fn(|h| [0.9, -0.4, 0.7, 0.3, -0.8, 0.5].get(h).copied().unwrap_or(0.0));
         for (i, (a, axis)) in
             [(Vec3::Z, Vec3::X), (Vec3::new(0.2, -0.7, 0.4), Vec3::new(0.5, 0.5, -0.1)), (Vec3::X, -Vec3::X)]
                 .iter()

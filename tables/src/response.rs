@@ -3,10 +3,13 @@
 //! A response is canonical: the medium's albedo and phase function are in it, sigma_t comes with every look-up
 //! (`remap`: a distance d m is read at σ_t d; point-like emitters scale by σ_t², directional light does not).
 
+use crate::area::coordinate;
 use crate::axial::HARMONIC_COUNT;
-use crate::curves::{DistanceMap, Grid, Place, SMALLEST_DISTANCE, Shape};
+use crate::curves::{DistanceMap, Grid, Place, Shape};
 use crate::geometry::Geometry;
-use wide::f32x4;
+use crate::node::{Basis, Node};
+use std::sync::Arc;
+use wide::f32x8;
 
 /// Degrees whose clamped-cosine coefficient does not vanish, up to 11 bands (and one empty place).
 pub(crate) const IRRADIANCE_DEGREES: [usize; 8] = [0, 1, 2, 4, 6, 8, 10, 12];
@@ -40,24 +43,30 @@ impl ZonalResponse {
     /// the emitter, per W/sr of intensity (per W/m² of directional light). `sigma_t` in 1/m, ≥ 0.
     #[inline]
     pub fn irradiance(&self, sigma_t: f32, distance_m: f32, cos_receiver: f32) -> f32 {
-        let (place, scale) = self.locate(sigma_t, distance_m);
-        let (low, high) = (&self.irradiance[place.row], &self.irradiance[place.row + 1]);
-        let p = even_legendre(cos_receiver);
-        let mut sum = 0.0;
-        for i in 0..8 {
-            sum += p[i] * (low[i] + place.fraction * (high[i] - low[i]));
-        }
-        sum * scale
+        self.irradiance_at(sigma_t, &self.map.place(sigma_t * distance_m), &even_legendre(cos_receiver))
+    }
+
+    #[inline]
+    pub(crate) fn irradiance_at(&self, sigma_t: f32, place: &Place, legendre: &[f32; 8]) -> f32 {
+        let rows = &self.irradiance[place.row..place.row + 2];
+        let (low, high, p) = (f32x8::from(rows[0]), f32x8::from(rows[1]), f32x8::from(*legendre));
+        let sum = (p * (low + f32x8::splat(place.fraction) * (high - low))).reduce_add();
+        self.strength(sigma_t, place) * sum
     }
 
     /// Zonal coefficients of the incident radiance about the direction to the emitter, units as above; length `bands`.
     pub fn coefficients(&self, sigma_t: f32, distance_m: f32, out: &mut [f32]) {
-        let (place, scale) = self.locate(sigma_t, distance_m);
+        let place = self.map.place(sigma_t * distance_m);
+        let scale = self.strength(sigma_t, &place);
         let start = place.row * self.bands;
         let (low, high) = self.radiance[start..start + 2 * self.bands].split_at(self.bands);
         for ((slot, a), b) in out.iter_mut().zip(low).zip(high) {
             *slot = (a + place.fraction * (b - a)) * scale;
         }
+    }
+
+    pub(crate) fn map(&self) -> DistanceMap {
+        self.map
     }
 
     /// Number of bands.
@@ -66,10 +75,8 @@ impl ZonalResponse {
     }
 
     #[inline]
-    fn locate(&self, sigma_t: f32, distance_m: f32) -> (Place, f32) {
-        let place = self.map.place(sigma_t * distance_m);
-        let scale = if self.point_like { sigma_t * sigma_t * place.scale } else { place.scale };
-        (place, scale)
+    fn strength(&self, sigma_t: f32, place: &Place) -> f32 {
+        if self.point_like { sigma_t * sigma_t * place.scale } else { place.scale }
     }
 }
 
@@ -93,21 +100,32 @@ pub(crate) fn even_legendre(c: f32) -> [f32; 8] {
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxialResponse {
     map: DistanceMap,
-    nodes: usize,
-    /// `L_lm / sin^m θ`, rows of `nodes` × 11 (and one 0).
-    values: Vec<[f32; 12]>,
+    angles: usize,
+    /// Rows of `angles`.
+    nodes: Arc<[Node]>,
+    /// What all nodes are multiplied with.
+    strength: f32,
 }
 
-/// A place in an [`AxialResponse`]: four neighbours and their weights.
-#[derive(Debug, Clone, Copy)]
-struct Corner {
-    first: usize,
-    weights: [f32; 4],
+/// A place among the angles.
+#[derive(Clone, Copy)]
+pub(crate) struct AnglePlace {
+    node: usize,
+    fraction: f32,
 }
 
 impl AxialResponse {
-    pub(crate) fn new(grid: &Grid, shape: Shape, nodes: usize, values: Vec<[f32; 12]>) -> Self {
-        Self { map: DistanceMap::new(grid, shape), nodes, values }
+    pub(crate) fn new(grid: &Grid, shape: Shape, angles: usize, nodes: Vec<Node>) -> Self {
+        Self { map: DistanceMap::new(grid, shape), angles, nodes: nodes.into(), strength: 1.0 }
+    }
+
+    pub(crate) fn map(&self) -> DistanceMap {
+        self.map
+    }
+
+    /// The same response at another strength, in the same memory.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        Self { strength: self.strength * factor as f32, ..self.clone() }
     }
 
     /// Irradiance (W/m²) on the receiver of `geometry`, `distance_m` from the emitter, per W/sr of intensity on the emitter's
@@ -115,65 +133,45 @@ impl AxialResponse {
     #[inline]
     pub fn irradiance(&self, sigma_t: f32, distance_m: f32, geometry: &Geometry) -> f32 {
         let place = self.map.place(sigma_t * distance_m);
-        sigma_t * sigma_t * place.scale * self.contract(self.corner(&place, geometry.angle), geometry)
+        self.irradiance_at(sigma_t, &place, self.angle_place(geometry.angle), &geometry.basis)
     }
 
     /// The stripped coefficients `L_lm/sin^m θ` of the incident radiance, in the order of [`crate::axial::HARMONICS`].
     pub fn coefficients(&self, sigma_t: f32, distance_m: f32, cos_emitter: f32) -> [f32; HARMONIC_COUNT] {
         let place = self.map.place(sigma_t * distance_m);
-        let corner = self.corner(&place, crate::geometry::angle_coordinate(cos_emitter));
-        let rows = self.rows(&corner);
-        let scale = sigma_t * sigma_t * place.scale;
-        std::array::from_fn(|h| scale * (0..4).map(|i| corner.weights[i] * rows[i][h]).sum::<f32>())
+        let corners = self.corners(&place, self.angle_place(coordinate(cos_emitter)));
+        let scale = self.strength * sigma_t * sigma_t * place.scale;
+        let values = corners.map(|(node, weight)| node.values().map(|v| scale * weight * v));
+        std::array::from_fn(|h| values.iter().map(|v| v[h]).sum())
+    }
+
+    /// Number of angles.
+    pub(crate) fn angles(&self) -> usize {
+        self.angles
     }
 
     #[inline]
-    fn corner(&self, place: &Place, angle: f32) -> Corner {
-        let x = (0.5 * angle + 0.5) * (self.nodes - 1) as f32;
-        let node = (x.max(0.0) as usize).min(self.nodes - 2);
-        let (v, u) = (x - node as f32, place.fraction);
+    pub(crate) fn angle_place(&self, angle: f32) -> AnglePlace {
+        let x = (0.5 * angle + 0.5) * (self.angles - 1) as f32;
+        let node = (x as usize).min(self.angles - 2);
+        AnglePlace { node, fraction: x - node as f32 }
+    }
+
+    /// Four neighbours and their weights.
+    #[inline]
+    fn corners(&self, place: &Place, angle: AnglePlace) -> [(&Node, f32); 4] {
+        let (v, u) = (angle.fraction, place.fraction);
         let (v0, u0) = (1.0 - v, 1.0 - u);
-        Corner { first: place.row * self.nodes + node, weights: [u0 * v0, u0 * v, u * v0, u * v] }
+        let first = place.row * self.angles + angle.node;
+        let nodes = &self.nodes[first..first + self.angles + 2];
+        let (low, high) = (nodes.first_chunk::<2>(), nodes.last_chunk::<2>());
+        let (Some([a, b]), Some([c, d])) = (low, high) else { unreachable!("two angles at least") };
+        [(a, u0 * v0), (b, u0 * v), (c, u * v0), (d, u * v)]
     }
 
     #[inline]
-    fn rows(&self, corner: &Corner) -> [&[f32; 12]; 4] {
-        let (low, high) = (corner.first, corner.first + self.nodes);
-        [&self.values[low], &self.values[low + 1], &self.values[high], &self.values[high + 1]]
-    }
-
-    #[inline]
-    fn contract(&self, corner: Corner, geometry: &Geometry) -> f32 {
-        let rows = self.rows(&corner);
-        let mut sums = [0.0f32; 4];
-        for (i, basis) in geometry.basis.chunks_exact(4).enumerate() {
-            for lane in 0..4 {
-                let at = 4 * i + lane;
-                let [a, b, c, d] = corner.weights;
-                sums[lane] += basis[lane] * (a * rows[0][at] + b * rows[1][at] + c * rows[2][at] + d * rows[3][at]);
-            }
-        }
-        (sums[0] + sums[1]) + (sums[2] + sums[3])
-    }
-}
-
-/// Responses of the three colour channels of one medium.
-#[derive(Debug, Clone, PartialEq)]
-pub struct AxialRgb(pub [AxialResponse; 3]);
-
-impl AxialRgb {
-    /// As [`AxialResponse::irradiance`] for three channels at once.
-    ///
-    /// *Accuracy*: 1e-5 of the single form for optical distances up to 40. *Cost*: see `docs/tables.md`.
-    #[inline]
-    pub fn irradiance(&self, sigma_t: [f32; 3], distance_m: f32, geometry: &Geometry) -> [f32; 3] {
-        let sigma = f32x4::from([sigma_t[0], sigma_t[1], sigma_t[2], 1.0]);
-        let d = (sigma * f32x4::splat(distance_m)).max(f32x4::splat(SMALLEST_DISTANCE));
-        let (optical, ln) = (d.to_array(), d.ln().to_array());
-        std::array::from_fn(|i| {
-            let response = &self.0[i];
-            let place = response.map.place_by_ln(optical[i], ln[i]);
-            sigma_t[i] * sigma_t[i] * place.scale * response.contract(response.corner(&place, geometry.angle), geometry)
-        })
+    pub(crate) fn irradiance_at(&self, sigma_t: f32, place: &Place, angle: AnglePlace, basis: &Basis) -> f32 {
+        let [a, b, c, d] = self.corners(place, angle).map(|(node, weight)| node.dot(basis, weight));
+        self.strength * Basis::UNIT * sigma_t * sigma_t * place.scale * ((a + b) + (c + d)).reduce_add()
     }
 }
