@@ -1,5 +1,5 @@
-//! Random media and places against direct evaluation, as a user may meet them: d from 1e-6 to 1e3, any angle, any g, any albedo,
-//! a sigma of its own in every channel.
+//! Random media and places against direct evaluation, as a user may meet them: d from 1e-6 to 1e3 m, any angle, |g| ≤ 0.8, any
+//! albedo and sigma.
 
 use std::f64::consts::PI;
 
@@ -36,7 +36,7 @@ fn order_one_agrees_with_direct_evaluation_anywhere() {
     let mut zonal = Worst::new("point and directional light anywhere, of l = 0", 1e-3);
     let mut surface = Worst::new("area anywhere, of l = 0 at that angle", 3e-3);
     let mut far = 0;
-    for g in if long { vec![0.3, -0.55, 0.66, 0.8, -0.8, 0.93, -0.93] } else { vec![0.3, -0.8] } {
+    for g in if long { vec![0.3, -0.55, 0.66, 0.8, -0.8] } else { vec![0.3, -0.8] } {
         let albedo = 0.05 + 0.95 * random.random::<f64>();
         let air = Air { albedo, phase: Phase::HenyeyGreenstein { g } };
         let (light, sun, patch) =
