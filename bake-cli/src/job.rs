@@ -28,12 +28,13 @@ pub struct Job {
 impl Job {
     /// Loads and lays out; warnings go to `progress` at once unless it is quiet.
     pub fn prepare(input: &Input, progress: &Progress, stopwatch: &mut Stopwatch) -> Result<Self, Failure> {
-        let settings = input.settings()?;
+        let mut settings = input.settings()?;
         refuse_later(&settings)?;
         progress.stage("load", 0);
         let loaded = stopwatch.time("load", || scene::load(&input.file, &settings.load_options()));
         let (mut scene, warnings) = loaded.map_err(Failure::invalid)?;
         let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+        settings.adopt_media(&scene)?;
         let (air, notes) = stopwatch.time("air", || air::resolve(&settings, &mut scene))?;
         warnings.extend(notes.iter().map(ToString::to_string));
         let unused = settings.choose_lightmapped(&mut scene);

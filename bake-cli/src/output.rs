@@ -55,7 +55,7 @@ impl Output {
 
     /// Writes everything and publishes it; returns the manifest's path.
     pub fn write(mut self, scene_file: &Path, job: &Job, plan: &Plan, pages: Pages) -> Result<PathBuf, Failure> {
-        let bake = Bake { scene: &job.scene, atlas: &job.atlas, pages: pages.finished, raw: pages.raw };
+        let bake = Bake { scene: &job.scene, air: &job.air, atlas: &job.atlas, pages: pages.finished, raw: pages.raw };
         let path = package::write(&self.folder, bake, &record(scene_file, job, plan)?)?;
         self.made.0.clear();
         Ok(path)
@@ -70,7 +70,6 @@ fn record(scene_file: &Path, job: &Job, plan: &Plan) -> Result<Record, Failure> 
         source: Source { file, blake3 },
         settings: fingerprint::settings(&job.settings).map_err(Failure::failed)?,
         plan: serde_json::to_value(&plan.effects).expect("plain data becomes JSON"),
-        media: Vec::new(),
         warnings: job.warnings.clone(),
         reproducible: true,
         pixels: if job.settings.half { PixelFormat::F16 } else { PixelFormat::F32 },

@@ -42,6 +42,8 @@ pub enum Quantity {
     Samples,
     /// 1 where baked, 0 where filled or empty.
     Validity,
+    /// Relative density of a medium.
+    Density,
 }
 
 impl Quantity {
@@ -51,7 +53,7 @@ impl Quantity {
             Self::Irradiance => "lx",
             Self::IrradianceVariance => "lx^2",
             Self::ShRadiance => "cd/m^2",
-            Self::Samples | Self::Validity => "1",
+            Self::Samples | Self::Validity | Self::Density => "1",
         }
     }
 

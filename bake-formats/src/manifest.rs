@@ -36,7 +36,7 @@ pub struct Manifest {
     pub plan: Value,
     /// Terms in the images; they sum to the total irradiance.
     pub terms: Vec<Term>,
-    /// Media as in the settings, bounds resolved.
+    /// Media as in the settings, everything resolved: [`MediumRecord`](crate::MediumRecord)s.
     pub media: Vec<Value>,
     /// Punctual lights in world space.
     pub lights: Vec<LightRecord>,

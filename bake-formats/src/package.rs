@@ -8,6 +8,8 @@
 use crate::error::{FormatError, Result};
 use crate::float_image::{FloatImage, PixelFormat};
 use crate::manifest::{FileRecord, ImageRecord, Manifest};
+use crate::medium::MediumRecord;
+use bake_optics::medium::MediumSet;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -220,6 +222,21 @@ impl Package {
             return Err(FormatError::invalid(&path, "size", found, format!("{} x {}", record.width, record.height)));
         }
         Ok(image)
+    }
+
+    /// The media, and their names.
+    ///
+    /// # Errors
+    /// Records that make no medium, and density grids that were too wide to be stored.
+    pub fn media(&self) -> Result<(MediumSet, Vec<String>)> {
+        let (mut set, mut names) = (MediumSet::default(), Vec::new());
+        for record in &self.manifest.media {
+            let record: MediumRecord = serde_json::from_value(record.clone())
+                .map_err(|error| FormatError::damaged("manifest", &self.path, format!("media: {error}")))?;
+            set.media.push(record.medium(&self.path, |file| self.image(file))?);
+            names.push(record.name);
+        }
+        Ok((set, names))
     }
 
     /// Name of the runtime's scene file.

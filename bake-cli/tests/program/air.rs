@@ -88,3 +88,22 @@ fn air_that_swallows_the_sun_is_a_warning() {
     ended.expect(0, &["warning", "lets", "through"]);
     desk.bake(&format!("plan room.glb {sun} --fog sigma_t=0.01,albedo=1,bounds=-50:-50:-50:50:50:50")).expect(0, &[]);
 }
+
+#[test]
+fn smoke_from_a_file_is_planned_and_a_wrong_one_is_told() {
+    let desk = Desk::with_room();
+    let data = testkit::reference::workspace().join("bake-core/tests/data/air");
+    std::fs::copy(data.join("several.vdb"), desk.path("smoke.vdb")).expect("committed");
+    let smoke = |grid: &str| {
+        let text =
+            "Bake(media: [Medium(name: \"smoke\", scatter: Sigma(s: (1, 1, 1), a: (0, 0, 0)), density: Grid(GRID))])";
+        desk.write("room.bake.ron", text.replace("GRID", grid));
+        desk.bake("plan room.glb")
+    };
+    smoke("file: \"smoke.vdb\"").expect(2, &["smoke", "smoke.vdb", "several grids", "half (fog volume)"]);
+    smoke("file: \"smoke.vdb\", name: \"surface\"").expect(2, &["level set"]);
+    smoke("file: \"none.vdb\"").expect(2, &["cannot read", "none.vdb"]);
+    let planned = smoke("file: \"smoke.vdb\", name: \"half\", place: Fill");
+    planned.expect(0, &[]);
+    assert!(planned.out.contains("grid of 29 × 27 × 24 points"), "{}", planned.out);
+}

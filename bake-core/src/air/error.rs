@@ -1,5 +1,6 @@
 //! Why the air of a scene is refused: the medium, what is wrong with it, and the next step.
 
+use super::GridFault;
 use crate::settings::SettingsError;
 use bake_optics::axial_table::AxialTableError;
 use bake_optics::medium::mesh::MeshError;
@@ -71,6 +72,16 @@ pub enum AirError {
         file: PathBuf,
         /// Why.
         source: std::io::Error,
+    },
+    /// A grid that is none.
+    #[error("medium \"{medium}\": {} {source}", file.display())]
+    Grid {
+        /// Name.
+        medium: String,
+        /// The file.
+        file: PathBuf,
+        /// What is wrong.
+        source: GridFault,
     },
     /// A file of angles and values that is none.
     #[error("medium \"{medium}\": {}:{line}: {message}; a line holds an angle in degrees and a value", file.display())]

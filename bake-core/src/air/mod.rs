@@ -7,11 +7,13 @@ mod bounds;
 mod density;
 mod error;
 mod file;
+mod grid;
 mod phase;
 mod summary;
 mod warning;
 
 pub use error::AirError;
+pub use grid::GridFault;
 pub use summary::{Extent, Summary};
 pub use warning::AirWarning;
 

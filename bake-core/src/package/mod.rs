@@ -8,12 +8,14 @@ mod images;
 mod lights;
 mod material;
 
+use crate::air::Air;
 use crate::atlas::Atlas;
 use crate::scene::Scene;
 use crate::solve::buffers::{PageBuffers, Validity};
 use bake_formats::error::Result;
 use bake_formats::float_image::{FloatImage, PixelFormat};
 use bake_formats::manifest::{EnvironmentRecord, ErrorEstimate, Manifest, PageRecord, Settings, Source};
+use bake_formats::medium::{MediumRecord, density_image};
 use bake_formats::{PackageWriter, Term};
 use glam::Vec3;
 use serde_json::Value;
@@ -24,6 +26,8 @@ use std::path::{Path, PathBuf};
 pub struct Bake<'a> {
     /// The scene.
     pub scene: &'a Scene,
+    /// The air in it.
+    pub air: &'a Air,
     /// Where its surfaces lie.
     pub atlas: &'a Atlas,
     /// One a page of the atlas, after post-processing.
@@ -41,8 +45,6 @@ pub struct Record {
     pub settings: Value,
     /// Which effects were simulated, and why.
     pub plan: Value,
-    /// Media with their bounds resolved.
-    pub media: Vec<Value>,
     /// What should be looked at.
     pub warnings: Vec<String>,
     /// False under a time budget.
@@ -71,7 +73,7 @@ pub fn write(folder: &Path, bake: Bake, record: &Record) -> Result<PathBuf> {
     manifest.error_estimate = error_estimate(bake.pages);
     manifest.reproducible = record.reproducible;
     manifest.plan = record.plan.clone();
-    manifest.media = record.media.clone();
+    manifest.media = write_media(&mut writer, bake.air)?;
     manifest.warnings = record.warnings.clone();
     writer.finish(manifest)
 }
@@ -92,6 +94,19 @@ fn write_page(
         sh1: images::sh1(page).map(|image| add("sh1", image)).transpose()?,
         raw: raw.map(|raw| add("raw", images::terms(raw))).transpose()?,
     })
+}
+
+/// Records of the media; density grids go into images, in full precision because they are no result.
+fn write_media(writer: &mut PackageWriter, air: &Air) -> Result<Vec<Value>> {
+    let mut records = Vec::new();
+    for (index, (medium, name)) in air.media.media.iter().zip(&air.names).enumerate() {
+        let mut store =
+            |image: FloatImage| writer.add_image(&format!("medium.{index:02}.exr"), &image, PixelFormat::F32);
+        let grid_file = density_image(&medium.density).map(&mut store).transpose()?;
+        let record = MediumRecord::new(name, medium, grid_file);
+        records.push(serde_json::to_value(record).expect("plain data becomes JSON"));
+    }
+    Ok(records)
 }
 
 fn terms(pages: &[PageBuffers]) -> Vec<Term> {

@@ -6,8 +6,12 @@ use crate::scene::{AlphaMode, Image, Instance, Light, LightKind, Material, Mesh,
 use crate::solve::buffers::TermImage;
 use bake_formats::glb::document as gltf;
 use bake_formats::{BakedScene, Package};
-use glam::{Affine3A, Vec2, Vec4};
+use bake_optics::medium::grid::DensityGrid;
+use bake_optics::medium::{Bounds, Density, Medium, MediumSet, Ray, Scatter};
+use bake_optics::phase::Phase;
+use glam::{Affine3A, DAffine3, DQuat, DVec3, IVec3, Vec2, Vec4};
 use std::sync::Arc;
+use testkit::compare::Worst;
 
 mod reload;
 
@@ -114,6 +118,46 @@ fn buffers(seed: f32) -> PageBuffers {
     }
 }
 
+/// A ball of haze, and smoke on a grid of 3 × 2 × 4 points.
+fn air() -> Air {
+    let grid = DensityGrid::new(
+        IVec3::new(3, 2, 4),
+        (0..24).map(|i| i as f32 / 8.0).collect(),
+        DAffine3::from_scale_rotation_translation(
+            DVec3::new(0.5, 0.25, 1.0),
+            DQuat::from_rotation_y(0.5),
+            DVec3::new(1.0, 2.0, 3.0),
+        ),
+    );
+    let haze = Medium {
+        bounds: Bounds::Sphere { centre: DVec3::Y, radius: 20.0 },
+        phase: Phase::HenyeyGreenstein { g: 0.5 },
+        scatter: Scatter { sigma_s: [0.5, 0.25, 0.125], sigma_a: [0.0, 0.5, 1.0] },
+        ..Medium::default()
+    };
+    let smoke = Medium { density: Density::Grid(Arc::new(grid.unwrap())), ..haze.clone() };
+    let names = vec!["haze".into(), "smoke".into()];
+    Air { media: MediumSet { media: vec![haze, smoke] }, names, ..Air::default() }
+}
+
+/// The runtime rebuilds the media from the package alone.
+#[test]
+fn media_come_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let (media, names) = write_quads(folder.path(), PixelFormat::F16).media().unwrap();
+    let written = air();
+    assert_eq!((&media.media[0], names), (&written.media.media[0], written.names.clone()));
+    let mut worst = Worst::new("optical depth through the package, relative", 1e-12);
+    for i in 0..50 {
+        let target = DVec3::new(0.4 + 0.1 * f64::from(i % 7), 2.1, 3.0 + 0.07 * f64::from(i));
+        let ray = Ray::between(DVec3::new(-3.0, 0.1 * f64::from(i), 9.0), target);
+        let (got, want) = (media.optical_depth(&ray), written.media.optical_depth(&ray));
+        (0..3).for_each(|c| worst.relative(got[c], want[c], || format!("ray {i}")));
+        assert!(want[0] > 0.0);
+    }
+    worst.check();
+}
+
 fn write_quads(folder: &Path, pixels: PixelFormat) -> Package {
     write_scene(folder, &scene(), pixels)
 }
@@ -124,12 +168,11 @@ fn write_scene(folder: &Path, scene: &Scene, pixels: PixelFormat) -> Package {
         source: Source { file: "quads.glb".into(), blake3: "0".repeat(64) },
         settings: serde_json::json!({ "bounces": null }),
         plan: Value::Null,
-        media: Vec::new(),
         warnings: vec!["one".into()],
         reproducible: true,
         pixels,
     };
-    write(folder, Bake { scene, atlas: &atlas, pages: &pages, raw: None }, &record).unwrap();
+    write(folder, Bake { scene, air: &air(), atlas: &atlas, pages: &pages, raw: None }, &record).unwrap();
     Package::open(folder).unwrap()
 }
 

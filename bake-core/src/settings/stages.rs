@@ -1,6 +1,6 @@
 //! What each stage is told: the one settings record split into the options of loader, atlas and solver.
 
-use super::{LightUnits, Quality, Settings, Unlit};
+use super::{LightUnits, Quality, Settings, SettingsError, Unlit};
 use crate::atlas::AtlasSettings;
 use crate::scene::{self, LoadOptions, Scene, SceneChoice, UnlitMode};
 use crate::solve::LightmapSettings;
@@ -47,6 +47,17 @@ impl Settings {
             },
             require_light: true,
         }
+    }
+
+    /// Takes over the media of the scene's extras where none are set, so that they are recorded as settings are.
+    ///
+    /// # Errors
+    /// Extras that are no media.
+    pub fn adopt_media(&mut self, scene: &Scene) -> Result<(), SettingsError> {
+        if let (None, Some(extras)) = (&self.media, &scene.media_extras) {
+            self.media = Some(super::media_of_scene(extras)?);
+        }
+        Ok(())
     }
 
     /// Takes the lightmap from nodes whose record says so, or gives it; returns the keys of `nodes` that fit nothing.
