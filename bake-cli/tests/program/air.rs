@@ -100,10 +100,11 @@ fn smoke_from_a_file_is_planned_and_a_wrong_one_is_told() {
         desk.write("room.bake.ron", text.replace("GRID", grid));
         desk.bake("plan room.glb")
     };
-    smoke("file: \"smoke.vdb\"").expect(2, &["smoke", "smoke.vdb", "several grids", "half (fog volume)"]);
+    smoke("file: \"smoke.vdb\"").expect(2, &["smoke", "smoke.vdb", "several grids", "half", "turned"]);
     smoke("file: \"smoke.vdb\", name: \"surface\"").expect(2, &["level set"]);
     smoke("file: \"none.vdb\"").expect(2, &["cannot read", "none.vdb"]);
     let planned = smoke("file: \"smoke.vdb\", name: \"half\", place: Fill");
     planned.expect(0, &[]);
-    assert!(planned.out.contains("grid of 29 × 27 × 24 points"), "{}", planned.out);
+    // Voxels −5…20, −9…15 and −5…15, and one more layer on every side.
+    assert!(planned.out.contains("grid of 28 × 27 × 23 points"), "{}", planned.out);
 }
