@@ -73,6 +73,9 @@ pub enum Command {
     Sample(commands::sample::Args),
     /// Compare two packages: bias, relative RMSE, worst texels, by term
     Diff(commands::diff::Args),
+    /// Show what was baked
+    #[cfg(feature = "view")]
+    View(Box<commands::view::Args>),
 }
 
 /// The command line did not lead to a command.

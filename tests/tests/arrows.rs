@@ -12,7 +12,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("tables", &["bake-optics", "bake-formats"]),
     ("bake-core", &["tables", "bake-formats", "bake-optics"]),
     ("bake-runtime", &["bake-formats", "bake-optics", "tables"]),
-    ("bake-cli", &["bake-runtime", "bake-core", "tables", "bake-formats", "bake-optics"]),
+    ("bake-view", &["bake-runtime", "bake-formats"]),
+    ("bake-cli", &["bake-view", "bake-core", "tables", "bake-formats", "bake-optics"]),
     // For tests and for making scenes; no shipped crate may use them.
     ("testkit", &[]),
     ("scenes", &["bake-formats", "bake-optics"]),
@@ -31,7 +32,8 @@ const FORBIDDEN: &[(&str, &[&str])] = &[
     ("bake-formats", &["clap", "indicatif", "miette", "ctrlc", "wgpu", "winit"]),
     ("tables", &["clap", "indicatif", "miette", "ctrlc", "wgpu", "winit"]),
     ("bake-core", &["clap", "indicatif", "miette", "ctrlc", "wgpu", "winit"]),
-    ("bake-runtime", &["clap", "indicatif", "miette", "ctrlc"]),
+    ("bake-runtime", &["clap", "indicatif", "miette", "ctrlc", "winit", "egui"]),
+    ("bake-view", &["clap", "indicatif", "miette", "ctrlc"]),
 ];
 
 /// What each workspace crate uses outside its tests.

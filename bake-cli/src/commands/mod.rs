@@ -9,6 +9,8 @@ pub mod plan;
 pub mod run;
 pub mod sample;
 pub mod tables;
+#[cfg(feature = "view")]
+pub mod view;
 
 use crate::cli::{Cli, Command};
 use crate::exit::{Failure, Outcome};
@@ -26,5 +28,7 @@ pub fn dispatch(cli: &Cli) -> Result<Outcome, Failure> {
         Command::Tables(args) => tables::run(args, &cli.global),
         Command::Diff(args) => diff::run(args, &cli.global),
         Command::Sample(args) => sample::run(args, &cli.global),
+        #[cfg(feature = "view")]
+        Command::View(args) => view::run(args, &cli.global),
     }
 }

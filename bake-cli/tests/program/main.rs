@@ -7,3 +7,5 @@ mod run;
 mod settings;
 mod tables;
 mod usage;
+#[cfg(feature = "view")]
+mod view;

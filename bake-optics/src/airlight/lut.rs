@@ -38,6 +38,11 @@ impl Lut {
         Self { size, values: values.collect() }
     }
 
+    /// The table of each order, divided by the scale: rows of constant v, H fastest; what a shader samples.
+    pub fn layers(&self) -> &[Vec<f32>] {
+        &self.values
+    }
+
     /// f_l(H, v) by look-up, in f32 as a shader does it.
     pub fn tail<T: Real>(&self, l: usize, h: T, v: T) -> T {
         let ((i, x), (j, y)) = (self.cell(place_of_h(h)), self.cell(place_of_v(v)));

@@ -1,0 +1,60 @@
+//! `bake view`: what was baked, as a picture.
+
+use crate::cli::Global;
+use crate::exit::{Failure, Outcome};
+use bake_formats::Package;
+use bake_formats::package::write_atomic;
+use bake_view::{CameraArgument, Options, SizeArgument, ViewError};
+use std::io::Write;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Example:
+  bake view room.bake --screenshot room.png --size 1280x720 --camera 0,1.5,6:0,1.5,0:40
+
+A camera is EYE:TARGET or EYE:TARGET:DEGREES, points as x,y,z in metres in the axes of the glTF file, degrees from
+bottom to top. Draws on the fastest GPU, or on software Vulkan (Debian: mesa-vulkan-drivers libvulkan1);
+WGPU_ADAPTER_NAME names another.";
+
+/// Flags of `bake view`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// The package's folder
+    pub package: PathBuf,
+    /// Write the picture to this PNG file
+    #[arg(long, value_name = "FILE")]
+    pub screenshot: PathBuf,
+    /// Size of the picture, texels
+    #[arg(long, value_name = "WxH", default_value = "1280x720")]
+    pub size: SizeArgument,
+    /// Where the eye is and what it looks at [default: sees the whole scene]
+    #[arg(long, value_name = "EYE:TARGET", allow_hyphen_values = true)]
+    pub camera: Option<CameraArgument>,
+    /// Stops brighter (+) or darker (-) than what suits the lightmaps
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_hyphen_values = true)]
+    pub exposure: f32,
+}
+
+/// Draws.
+pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
+    let package = Package::open(&args.package).map_err(super::sample::failure)?;
+    let options = Options {
+        size: args.size.0,
+        camera: args.camera.map(|camera| camera.0),
+        exposure_stops: args.exposure.clamp(-64.0, 64.0),
+    };
+    let picture = bake_view::screenshot(&package, &options).map_err(failure)?;
+    write_atomic(&args.screenshot, |out| out.write_all(&picture.png))?;
+    if global.verbose {
+        eprintln!("drawn by {}", picture.adapter);
+    }
+    Ok(Outcome::Done)
+}
+
+fn failure(error: ViewError) -> Failure {
+    match error {
+        ViewError::Package(error) => super::sample::failure(error),
+        error => Failure::failed(error),
+    }
+}

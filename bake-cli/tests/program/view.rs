@@ -1,0 +1,36 @@
+//! `bake view`: a picture of what was just baked.
+
+use crate::bake::Desk;
+
+const CAMERA: &str = "--camera 0,1.5,6.2:0,1.5,0:38";
+
+#[test]
+fn a_baked_room_is_drawn_and_the_picture_repeats() {
+    let desk = Desk::with_room();
+    let baked = desk.bake("-q run room.glb --quality preview --texels-per-m 4 --samples 64");
+    assert!(matches!(baked.code, Some(0 | 3)), "{baked:#?}");
+    let ended = desk.bake(&format!("view room.bake --screenshot a.png --size 96x64 {CAMERA}"));
+    if ended.err.contains("no graphics adapter") {
+        assert_eq!(ended.code, Some(1));
+        return testkit::reference::skip("no graphics adapter");
+    }
+    ended.expect(0, &[]);
+    desk.bake(&format!("view room.bake --screenshot b.png --size 96x64 {CAMERA}")).expect(0, &[]);
+    desk.bake(&format!("view room.bake --screenshot dark.png --exposure -3 --size 96x64 {CAMERA}")).expect(0, &[]);
+    let read = |name: &str| std::fs::read(desk.path(name)).expect("a picture was written");
+    assert!(read("a.png").starts_with(b"\x89PNG"));
+    assert!(read("a.png") == read("b.png"), "same package, other picture");
+    assert!(read("a.png") != read("dark.png"), "three stops make no difference");
+}
+
+#[test]
+fn nonsense_is_refused_with_the_form_that_is_meant() {
+    let desk = Desk::with_room();
+    for (arguments, code, words) in [
+        ("view nowhere --screenshot a.png", 1, ["nowhere", "cannot read"]),
+        ("view room.bake --screenshot a.png --camera 1,2,3", 2, ["'1,2,3'", "EYE:TARGET"]),
+        ("view room.bake --screenshot a.png --size 640", 2, ["'640'", "1280x720"]),
+    ] {
+        desk.bake(arguments).expect(code, &words);
+    }
+}

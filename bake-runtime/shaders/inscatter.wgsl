@@ -1,0 +1,42 @@
+// All that the air does along one view ray from the eye.
+// uses: frame, medium
+// uses: air_uniform // unless LAYERED
+// uses: air_layered // if LAYERED
+// uses: airlight_quadrature // if QUADRATURE
+// uses: airlight_vacuum // if VACUUM
+// uses: airlight_lut // if LUT
+// uses: airlight_closed_form // if CLOSED_FORM
+// uses: airlight_ray_march // if RAY_MARCH
+// uses: airlight_sun // if SUNS
+
+@group(0) @binding(14) var<storage, read> lamps: array<Lamp>; // if LAMPS
+@group(0) @binding(15) var<storage, read> suns: array<Sun>; // if SUNS
+
+struct Air {
+    // Radiance scattered towards the eye, cd/m^2.
+    inscatter: vec3f,
+    // Share of the light from behind that passes.
+    transmittance: vec3f,
+}
+
+// `dir`: unit; `away`: distance to the first surface.
+fn air_along(dir: vec3f, away: f32) -> Air {
+    let whole = ViewRay(vec3f(0.0), dir, away);
+    var air = Air(vec3f(0.0), vec3f(1.0));
+    air.transmittance = fall3(optical_depth(whole)); // unless VACUUM
+    let span = air_span(whole);
+    if span.x >= span.y {
+        return air;
+    }
+    let inside = ViewRay(dir * span.x, dir, span.y - span.x); // unless LAYERED
+    let inside = ViewRay(vec3f(0.0), dir, span.y); // if LAYERED
+    for (var i = 0u; i < frame.lamp_count; i++) { // if LAMPS
+        let lamp = lamps[i]; // if LAMPS
+        air.inscatter += lamp.intensity * lamp_airlight(inside, lamp); // if LAMPS&QUADRATURE|LAMPS&VACUUM|LAMPS&LUT|LAMPS&RAY_MARCH
+        air.inscatter += lamp.intensity * lamp_airlight_closed(inside, lamp); // if LAMPS&CLOSED_FORM
+    } // if LAMPS
+    for (var i = 0u; i < frame.sun_count; i++) { // if SUNS
+        air.inscatter += suns[i].irradiance * sun_airlight(inside, suns[i]); // if SUNS
+    } // if SUNS
+    return air;
+}

@@ -1,0 +1,162 @@
+//! Media and lights as the shader reads them: places relative to the eye, formed in double precision.
+
+use bake_formats::manifest::{LightKind, LightRecord, ProfileRecord};
+use bake_optics::airlight::Lut;
+use bake_optics::medium::{self, Bounds, Density};
+use bake_optics::phase::Phase;
+use glam::{DVec3, Vec3};
+use wgpu::util::DeviceExt;
+
+use super::LUT_ORDERS;
+use crate::layout::{Lamp, MOST_MEDIA, Medium, NO_SHADOW, Sun};
+
+/// Largest coefficient, 1/m: beyond it squares of depths overflow.
+const DENSEST: f64 = 1e12;
+
+/// Side of the table of tails.
+const LUT_SIZE: usize = 256;
+
+/// Buffers of one picture.
+#[derive(Debug)]
+pub(crate) struct AirBuffers {
+    pub media: wgpu::Buffer,
+    pub lamps: wgpu::Buffer,
+    pub suns: wgpu::Buffer,
+    pub coefficients: wgpu::Buffer,
+    pub moments: wgpu::Buffer,
+    /// Number of lamps and suns.
+    pub counts: [u32; 2],
+}
+
+/// Lights and media in the shader's form.
+#[derive(Debug, Default)]
+struct Packed {
+    media: Vec<Medium>,
+    lamps: Vec<Lamp>,
+    suns: Vec<Sun>,
+    coefficients: Vec<f32>,
+}
+
+impl AirBuffers {
+    /// `baked` and `dynamic` lights and `media` as seen from `eye`.
+    pub fn new(
+        device: &wgpu::Device,
+        media: &[medium::Medium],
+        baked: &[LightRecord],
+        dynamic: &[LightRecord],
+        eye: DVec3,
+    ) -> Self {
+        let mut packed = Packed::default();
+        let media = &media[..media.len().min(MOST_MEDIA)];
+        media.iter().for_each(|medium| packed.medium(medium, eye));
+        baked.iter().for_each(|light| packed.light(light, eye, false));
+        dynamic.iter().for_each(|light| packed.light(light, eye, true));
+        let moments: Vec<f32> =
+            media.iter().flat_map(|m| (0..LUT_ORDERS).map(|l| m.phase.moment(l as usize) as f32)).collect();
+        let counts = [packed.lamps.len() as u32, packed.suns.len() as u32];
+        let buffer = |label, bytes: &[u8], usage| {
+            let contents = if bytes.is_empty() { &[0; 128] } else { bytes };
+            device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+        };
+        let storage = wgpu::BufferUsages::STORAGE;
+        Self {
+            media: buffer("media", bytemuck::cast_slice(&packed.media), wgpu::BufferUsages::UNIFORM),
+            lamps: buffer("lamps", bytemuck::cast_slice(&packed.lamps), storage),
+            suns: buffer("suns", bytemuck::cast_slice(&packed.suns), storage),
+            coefficients: buffer("coefficients", bytemuck::cast_slice(&packed.coefficients), storage),
+            moments: buffer("moments", bytemuck::cast_slice(&moments), storage),
+            counts,
+        }
+    }
+}
+
+impl Packed {
+    fn medium(&mut self, source: &medium::Medium, eye: DVec3) {
+        let relative = |place: DVec3| (place - eye).clamp(DVec3::splat(-1e15), DVec3::splat(1e15)).as_vec3().to_array();
+        let coefficients = |sigma: [f64; 3]| sigma.map(|s| s.clamp(0.0, DENSEST) as f32);
+        let (bounds, low, high) = match &source.bounds {
+            Bounds::Box { min, max } => (1, relative(*min), relative(*max)),
+            Bounds::Sphere { centre, radius } => (2, relative(*centre), [*radius as f32, 0.0, 0.0]),
+            _ => (0, [0.0; 3], [0.0; 3]),
+        };
+        let (density, base, slope) = match source.density {
+            Density::Exponential { base_m, scale_height_m } => (1, base_m - eye.y, 1.0 / scale_height_m),
+            Density::Linear { zero_m, slope_per_m } => (2, zero_m - eye.y, slope_per_m),
+            _ => (0, 0.0, 0.0),
+        };
+        let first = self.coefficients.len() as u32;
+        let (phase, asymmetry) = match &source.phase {
+            Phase::Linear { a1 } => (1, *a1),
+            Phase::Rayleigh => (2, 0.0),
+            Phase::HenyeyGreenstein { g } => (3, *g),
+            Phase::Legendre(terms) => {
+                self.coefficients.extend(terms.iter().map(|&c| c as f32));
+                (4, 0.0)
+            }
+            _ => (0, 0.0),
+        };
+        self.media.push(Medium {
+            low,
+            bounds,
+            high,
+            density,
+            sigma_s: coefficients(source.scatter.sigma_s),
+            base: base as f32,
+            sigma_t: coefficients(source.scatter.sigma_t()),
+            slope: slope as f32,
+            phase,
+            asymmetry: asymmetry as f32,
+            first,
+            count: self.coefficients.len() as u32 - first,
+        });
+    }
+
+    fn light(&mut self, light: &LightRecord, eye: DVec3, dynamic: bool) {
+        let relative =
+            |place: &Vec3| (place.as_dvec3() - eye).as_vec3().clamp(Vec3::splat(-1e15), Vec3::splat(1e15)).to_array();
+        let mut lamp = Lamp {
+            intensity: light.color.to_array(),
+            axis: [0.0, 0.0, -1.0],
+            cos_outer: -1.0,
+            cos_inner: -1.0,
+            dynamic: dynamic.into(),
+            shadow: NO_SHADOW,
+            ..Lamp::default()
+        };
+        match &light.kind {
+            LightKind::Point { position, radius, range, profile } => {
+                lamp = Lamp { position: relative(position), radius: *radius, range: range.unwrap_or(0.0), ..lamp };
+                self.profile(&mut lamp, profile.as_ref());
+            }
+            LightKind::Spot { position, direction, inner_angle, outer_angle, radius, range, profile } => {
+                lamp = Lamp { position: relative(position), radius: *radius, range: range.unwrap_or(0.0), ..lamp };
+                lamp.axis = direction.try_normalize().unwrap_or(Vec3::NEG_Z).to_array();
+                (lamp.shape, lamp.cos_inner, lamp.cos_outer) = (1, inner_angle.cos(), outer_angle.cos());
+                self.profile(&mut lamp, profile.as_ref());
+            }
+            LightKind::Directional { direction, .. } => {
+                let direction = direction.try_normalize().unwrap_or(Vec3::NEG_Y).to_array();
+                let irradiance = light.color.to_array();
+                self.suns.push(Sun { direction, dynamic: dynamic.into(), irradiance, shadow: NO_SHADOW });
+                return;
+            }
+        }
+        self.lamps.push(lamp);
+    }
+
+    /// A measured distribution replaces the cone.
+    fn profile(&mut self, lamp: &mut Lamp, profile: Option<&ProfileRecord>) {
+        let Some(profile) = profile else { return };
+        lamp.axis = profile.axis.try_normalize().unwrap_or(Vec3::NEG_Y).to_array();
+        (lamp.shape, lamp.first, lamp.count) = (2, self.coefficients.len() as u32, profile.legendre.len() as u32);
+        self.coefficients.extend(&profile.legendre);
+    }
+}
+
+/// The tables of [`super::Method::Lut`] as layers of a texture, for shaders of one's own too.
+pub fn tail_texels(device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::TextureView {
+    let table = Lut::new(LUT_SIZE, LUT_ORDERS as usize);
+    let layers: Vec<Vec<[f32; 3]>> =
+        table.layers().iter().map(|layer| layer.iter().map(|&value| [value; 3]).collect()).collect();
+    crate::model::upload_texels(device, queue, [LUT_SIZE as u32; 2], &layers, true)
+}

@@ -1,0 +1,404 @@
+//! Pictures of air alone, black walls behind it, against the f64 oracle pixel by pixel; and no picture with a NaN or an infinity.
+
+mod common;
+
+use bake_formats::manifest::{LightKind, LightRecord, ProfileRecord};
+use bake_optics::airlight::{Airlight, MediumAlong, Oracle};
+use bake_optics::emitter::Emitter;
+use bake_optics::medium::{Bounds, Density, Medium, MediumSet, Ray, Scatter};
+use bake_optics::phase::Phase;
+use bake_runtime::air::AirSettings;
+use bake_runtime::{Camera, Headless, Method, Model, Renderer, SceneData, Settings};
+use common::{Fixture, headless, radiance};
+use glam::{Affine3A, DVec3, Vec2, Vec3};
+use rand::rngs::SmallRng;
+use rand::{RngExt, SeedableRng};
+use testkit::compare::Worst;
+
+const SIZE: [u32; 2] = [64, 32];
+
+/// A black wall at z = −4, 16 m wide.
+fn wall() -> SceneData {
+    let mut fixture = Fixture::new([2, 2], [1.0; 3]);
+    let black = fixture.material(|m| m.pbr_metallic_roughness.base_color_factor = [0.0, 0.0, 0.0, 1.0]);
+    let square = fixture.square(black);
+    let map = Affine3A::from_translation(Vec3::new(0.0, 0.0, -4.0)) * Affine3A::from_scale(Vec3::splat(8.0));
+    fixture.place(square, map, Vec2::ZERO, Vec2::ONE);
+    fixture.load()
+}
+
+fn lamp(color: [f32; 3], kind: LightKind) -> LightRecord {
+    LightRecord { path: "lamp".into(), color: color.into(), kind }
+}
+
+fn point(x: f32, y: f32, z: f32) -> LightKind {
+    LightKind::Point { position: Vec3::new(x, y, z), radius: 0.001, range: None, profile: None }
+}
+
+fn air(sigma_s: [f64; 3], sigma_a: [f64; 3], phase: Phase<f64>) -> Medium {
+    let bounds = Bounds::Box { min: DVec3::new(-8.0, -6.0, -5.0), max: DVec3::new(8.0, 6.0, 6.0) };
+    Medium { bounds, density: Density::Uniform, scatter: Scatter { sigma_s, sigma_a }, phase }
+}
+
+/// A camera of dyadic numbers: the rays of its pixels are exact in f32, so that the oracle sees the shader's own rays.
+fn camera(eye: [f64; 3]) -> Camera {
+    let mut camera = Camera::look_at(DVec3::from(eye), DVec3::from(eye) - DVec3::Z);
+    camera.fov_y = 2.0 * 0.5f32.atan();
+    camera
+}
+
+/// The ray of a pixel: unit direction and distance to the wall.
+fn ray(camera: &Camera, index: usize) -> Ray {
+    let (x, y) = (index % SIZE[0] as usize, index / SIZE[0] as usize);
+    let share = |at: usize, side: u32| (2.0 * at as f64 + 1.0) / f64::from(side) - 1.0;
+    let (right, up) = camera.half_extents(SIZE[0] as f32 / SIZE[1] as f32);
+    let dir = camera.forward.as_dvec3() + share(x, SIZE[0]) * right.as_dvec3() - share(y, SIZE[1]) * up.as_dvec3();
+    let at_wall = camera.eye + dir * (camera.eye.z + 4.0);
+    let length = if at_wall.x.abs() < 8.0 && at_wall.y.abs() < 8.0 { dir.length() * (camera.eye.z + 4.0) } else { 1e9 };
+    Ray::new(camera.eye, dir.normalize(), length)
+}
+
+/// Oracle's radiance of all lamps along a ray, and how near the ray passes to one, as a share of the lamp's distance.
+fn truth(scene: &SceneData, ray: &Ray) -> ([f64; 3], f64) {
+    let set = MediumSet { media: scene.media.clone() };
+    let (mut sum, mut nearest) = ([0.0; 3], f64::INFINITY);
+    for light in &scene.lights {
+        let (position, axis, emitter) = match &light.kind {
+            LightKind::Point { position, profile: None, .. } => (*position, Vec3::NEG_Y, Emitter::Isotropic),
+            LightKind::Point { position, profile: Some(profile), .. } => {
+                (*position, profile.axis, Emitter::Legendre(profile.legendre.iter().map(|&c| f64::from(c)).collect()))
+            }
+            LightKind::Spot { position, direction, inner_angle, outer_angle, .. } => {
+                let [cos_inner, cos_outer] = [inner_angle, outer_angle].map(|angle| f64::from(angle.cos()));
+                (*position, *direction, Emitter::SpotCone { cos_inner, cos_outer })
+            }
+            LightKind::Directional { .. } => unreachable!("suns have a test of their own"),
+        };
+        for (channel, sum) in sum.iter_mut().enumerate() {
+            let along = MediumAlong::new(&set, channel, *ray, position.as_dvec3());
+            let sight = along.sight(axis.as_dvec3().normalize());
+            nearest = nearest.min(sight.h / sight.eye_distance());
+            *sum += f64::from(light.color[channel]) * Oracle::default().radiance(&sight, &emitter, &along);
+        }
+    }
+    (sum, nearest)
+}
+
+fn draw(
+    headless: &Headless,
+    renderer: &mut Renderer,
+    model: &Model,
+    camera: &Camera,
+    air: AirSettings,
+) -> Vec<[f32; 3]> {
+    let target = headless.target(SIZE, wgpu::TextureFormat::Rgba8Unorm);
+    let settings = Settings { air, ..Settings::default() };
+    renderer.draw(model, camera, &settings, &target.create_view(&Default::default()), SIZE);
+    radiance(headless, renderer)
+}
+
+fn renderer(headless: &Headless) -> Renderer {
+    Renderer::new(&headless.device, &headless.queue, wgpu::TextureFormat::Rgba8Unorm)
+}
+
+/// Name, lamps, air and cameras.
+type Scene = (&'static str, Vec<LightRecord>, Vec<Medium>, Vec<Camera>);
+
+/// The scenes of the comparison.
+fn scenes() -> Vec<Scene> {
+    let warm = [400.0, 300.0, 200.0];
+    let spot = |x: f32, inner_angle: f32, outer_angle: f32| LightKind::Spot {
+        position: Vec3::new(x, 2.0, -1.5),
+        direction: Vec3::new(0.25, -1.0, 0.125).normalize(),
+        inner_angle,
+        outer_angle,
+        radius: 0.001,
+        range: None,
+        profile: None,
+    };
+    let profile = Some(ProfileRecord { axis: Vec3::NEG_Y, legendre: vec![1.0, 0.5, 0.25] });
+    let measured = LightKind::Point { position: Vec3::new(-1.0, 0.5, -2.0), radius: 0.001, range: None, profile };
+    let haze = |phase| air([0.05, 0.06, 0.08], [0.01, 0.0, 0.02], phase);
+    let thick = air([0.5, 0.75, 1.0], [0.1, 0.1, 0.1], Phase::Isotropic);
+    let low = Medium {
+        density: Density::Exponential { base_m: -1.0, scale_height_m: 1.5 },
+        ..air([0.3, 0.3, 0.4], [0.05; 3], Phase::HenyeyGreenstein { g: 0.5 })
+    };
+    let cameras = || vec![camera([0.0, 0.0, 2.0]), camera([0.75, 0.5, 0.25])];
+    // One camera looks straight past a lamp: a pixel's ray passes it at 1/1000 of its distance.
+    let near = || vec![camera([0.0, 0.0, 2.0]), camera([0.015625 + 0.002, 0.015625, 2.0])];
+    vec![
+        (
+            "isotropic haze",
+            vec![lamp(warm, point(0.5, 0.25, -1.0)), lamp(warm, point(-1.0, 0.5, 3.0))],
+            vec![haze(Phase::Isotropic)],
+            cameras(),
+        ),
+        ("thick air", vec![lamp(warm, point(0.5, 0.25, -1.0))], vec![thick], cameras()),
+        ("past a lamp", vec![lamp(warm, point(0.0, 0.0, -2.0))], vec![haze(Phase::Rayleigh)], near()),
+        (
+            "forward haze",
+            vec![lamp(warm, point(0.5, 0.25, -1.0))],
+            vec![haze(Phase::HenyeyGreenstein { g: 0.85 })],
+            cameras(),
+        ),
+        (
+            "two media",
+            vec![lamp(warm, point(0.5, 0.25, -1.0))],
+            vec![haze(Phase::Rayleigh), haze(Phase::HenyeyGreenstein { g: 0.3 })],
+            cameras(),
+        ),
+        (
+            "spots",
+            vec![lamp(warm, spot(0.5, 0.25, 0.5)), lamp(warm, spot(-1.0, 0.4, 0.4))],
+            vec![haze(Phase::Isotropic)],
+            cameras(),
+        ),
+        ("measured lamp", vec![lamp(warm, measured)], vec![haze(Phase::Isotropic)], cameras()),
+        (
+            "ground fog",
+            vec![lamp(warm, point(0.5, 0.25, -1.0)), lamp(warm, spot(-1.0, 0.2, 0.6))],
+            vec![haze(Phase::Isotropic), low],
+            cameras(),
+        ),
+    ]
+}
+
+#[test]
+fn quadrature_agrees_with_the_oracle_pixel_by_pixel() {
+    let Some(headless) = headless() else { return };
+    let mut renderer = renderer(&headless);
+    let mut far = Worst::new("air-light of pixels, lamps 1e-3 away or more", 1e-4);
+    let mut near = Worst::new("air-light of pixels, nearer lamps", 1e-2);
+    // Where a ray grazes a cone, light goes as a power of cos - cos_outer, of which f32 keeps few digits.
+    let mut grazing = Worst::new("air-light of pixels at the edge of a cone", 1e-3);
+    for (name, lights, media, cameras) in scenes() {
+        let model =
+            Model::new(&headless.device, &headless.queue, SceneData { lights, media, ..wall() }).expect("small");
+        for camera in cameras {
+            let pixels = draw(&headless, &mut renderer, &model, &camera, AirSettings::default());
+            let want: Vec<_> =
+                (0..pixels.len()).step_by(3).map(|index| truth(&model.scene, &ray(&camera, index))).collect();
+            let largest = want.iter().flat_map(|(value, _)| *value).fold(0.0, f64::max);
+            let mut worst = Worst::new(format!("  {name}"), f64::INFINITY);
+            for (index, (pixel, (value, nearest))) in pixels.iter().step_by(3).zip(&want).enumerate() {
+                for channel in 0..3 {
+                    let error = (f64::from(pixel[channel]) - value[channel]).abs() / value[channel].max(1e-6 * largest);
+                    let place = || {
+                        format!(
+                            "{name}, eye {}, pixel {}, channel {channel}: {} not {}",
+                            camera.eye,
+                            3 * index,
+                            pixel[channel],
+                            value[channel]
+                        )
+                    };
+                    worst.record(error, place);
+                    let at_edge = name == "spots" && value[channel] < 1e-2 * largest;
+                    let class = if at_edge {
+                        &mut grazing
+                    } else if *nearest >= 1e-3 {
+                        &mut far
+                    } else {
+                        &mut near
+                    };
+                    class.record(error, place);
+                }
+            }
+            worst.check();
+        }
+    }
+    far.check();
+    grazing.check();
+    if near.measured() > 0.0 {
+        near.check();
+    }
+}
+
+#[test]
+fn too_few_nodes_are_noticed() {
+    let Some(headless) = headless() else { return };
+    let (_, lights, media, cameras) = scenes().remove(0);
+    let model = Model::new(&headless.device, &headless.queue, SceneData { lights, media, ..wall() }).expect("small");
+    let air = AirSettings { nodes: 3, ..AirSettings::default() };
+    let pixels = draw(&headless, &mut renderer(&headless), &model, &cameras[0], air);
+    let mut worst = Worst::new("3 nodes (negative control)", 1e-4);
+    for (index, pixel) in pixels.iter().enumerate() {
+        worst.relative(pixel[0].into(), truth(&model.scene, &ray(&cameras[0], index)).0[0], String::new);
+    }
+    assert!(!worst.holds(), "{:.2e}", worst.measured());
+}
+
+#[test]
+fn the_table_stays_within_two_percent_of_the_mean_over_the_hemisphere() {
+    let Some(headless) = headless() else { return };
+    let mut renderer = renderer(&headless);
+    let mut worst = Worst::new("table, of the picture's mean (Sun et al. 2005)", 0.02);
+    for (name, lights, media, cameras) in scenes() {
+        let model =
+            Model::new(&headless.device, &headless.queue, SceneData { lights, media, ..wall() }).expect("small");
+        let air = AirSettings { method: Method::Lut, ..AirSettings::default() };
+        let plan = renderer.air_plan(&model, &Settings { air, ..Settings::default() }).expect("there is air");
+        if plan.method != Method::Lut {
+            assert!(plan.note.is_some(), "{name}: another method without a reason");
+            continue;
+        }
+        let pixels = draw(&headless, &mut renderer, &model, &cameras[0], air);
+        let want: Vec<f64> =
+            (0..pixels.len()).step_by(3).map(|index| truth(&model.scene, &ray(&cameras[0], index)).0[1]).collect();
+        let mean = want.iter().sum::<f64>() / want.len() as f64;
+        for (index, (pixel, want)) in pixels.iter().step_by(3).zip(&want).enumerate() {
+            worst.record((f64::from(pixel[1]) - want).abs() / mean, || format!("{name}, pixel {index}"));
+        }
+    }
+    worst.check();
+}
+
+#[test]
+fn light_behind_the_air_is_weakened_per_channel() {
+    let Some(headless) = headless() else { return };
+    let mut fixture = Fixture::new([2, 2], [std::f32::consts::PI; 3]);
+    let white = fixture.material(|m| m.pbr_metallic_roughness.base_color_factor = [1.0; 4]);
+    let square = fixture.square(white);
+    fixture.place(square, Affine3A::from_scale(Vec3::splat(40.0)), Vec2::ZERO, Vec2::ONE);
+    let bounds = Bounds::Box { min: DVec3::new(-9.0, -9.0, 0.5), max: DVec3::new(9.0, 9.0, 1.5) };
+    let medium = Medium { bounds, ..air([0.5, 1.0, 0.0], [0.5, 1.0, 0.25], Phase::Isotropic) };
+    let scene = SceneData { media: vec![medium.clone()], ..fixture.load() };
+    let model = Model::new(&headless.device, &headless.queue, scene).expect("small");
+    let view = camera([0.0, 0.0, 2.0]);
+    let pixels = draw(&headless, &mut renderer(&headless), &model, &view, AirSettings::default());
+    let mut worst = Worst::new("transmittance of a slab", 1e-5);
+    for (index, pixel) in pixels.iter().enumerate() {
+        let slant = 1.0 / -ray(&view, index).dir.z;
+        (0..3).for_each(|c| {
+            worst.relative(pixel[c].into(), (-medium.scatter.sigma_t()[c] * slant).exp(), || format!("{index}"))
+        });
+    }
+    worst.check();
+}
+
+#[test]
+fn the_sun_enters_bounds_at_their_border() {
+    let Some(headless) = headless() else { return };
+    let direction = Vec3::new(0.5, -1.0, -0.25).normalize();
+    let sun = lamp([1000.0, 900.0, 800.0], LightKind::Directional { direction, angular_radius: 0.0 });
+    let medium = air([0.05, 0.1, 0.2], [0.0, 0.05, 0.0], Phase::HenyeyGreenstein { g: 0.4 });
+    let scene = SceneData { lights: vec![sun.clone()], media: vec![medium.clone()], ..wall() };
+    let model = Model::new(&headless.device, &headless.queue, scene).expect("small");
+    let view = camera([0.0, 0.0, 2.0]);
+    let pixels = draw(&headless, &mut renderer(&headless), &model, &view, AirSettings::default());
+    let set = MediumSet { media: vec![medium.clone()] };
+    let mut worst = Worst::new("air-light of a sun", 1e-4);
+    for (index, pixel) in pixels.iter().enumerate().step_by(7) {
+        let ray = ray(&view, index);
+        let ray = medium.bounds.clip(&ray).map(|(enter, leave)| ray.part(enter, leave)).expect("inside");
+        let cos_theta = -direction.as_dvec3().normalize().dot(ray.dir);
+        let steps = 4000;
+        for (channel, got) in pixel.iter().enumerate() {
+            let sigma_s = medium.scatter.sigma_s[channel];
+            let value = |i: usize| {
+                let s = ray.length * (i as f64 + 0.5) / f64::from(steps);
+                let towards = Ray::new(ray.at(s), -direction.as_dvec3().normalize(), 1e3);
+                let depth = set.optical_depth(&ray.part(0.0, s))[channel] + set.optical_depth(&towards)[channel];
+                (-depth).exp()
+            };
+            let integral = (0..steps as usize).map(value).sum::<f64>() * ray.length / f64::from(steps);
+            let want = f64::from(sun.color[channel]) * sigma_s * medium.phase.eval(cos_theta) * integral;
+            worst.relative(f64::from(*got), want, || format!("pixel {index} channel {channel}"));
+        }
+    }
+    worst.check();
+}
+
+/// Random scenes, hard ones among them: the eye in a lamp, a ray straight at one, no air and air as thick as rock.
+///
+/// Few kinds of shader and many numbers: what a shader holds depends on the kinds of lamps, phases and densities only.
+fn random_scene(random: &mut SmallRng, base: &SceneData, method: Method) -> (SceneData, Camera) {
+    let place = |random: &mut SmallRng| Vec3::from_array(std::array::from_fn(|_| random.random_range(-3.0f32..3.0)));
+    let eye = place(random).as_dvec3();
+    let mut view = Camera::look_at(eye, place(random).as_dvec3());
+    view.fov_y = random.random_range(0.1..2.5);
+    let sigma = |random: &mut SmallRng| match random.random_range(0..6) {
+        0 => 0.0,
+        1 => 1e-12,
+        2 => 1e9,
+        _ => 10f64.powf(random.random_range(-4.0..3.0)),
+    };
+    let simple = matches!(method, Method::Lut | Method::ClosedForm);
+    let phase = match simple {
+        true => Phase::Isotropic,
+        false => Phase::HenyeyGreenstein {
+            g: [0.0, -0.999, 0.999, random.random_range(-0.9..0.9)][random.random_range(0..4)],
+        },
+    };
+    let scale_height_m = 10f64.powf(random.random_range(-2.0..3.0));
+    let density = match random.random_range(0..3) {
+        0 if !simple => Density::Exponential { base_m: random.random_range(-5.0..5.0), scale_height_m },
+        _ => Density::Uniform,
+    };
+    let medium = Medium { density, ..air([sigma(random); 3], [sigma(random), 0.0, 1e-3], phase) };
+    let position = match random.random_range(0..4) {
+        0 => eye.as_vec3(),
+        1 => (eye + view.forward.as_dvec3() * 2.0).as_vec3(),
+        2 => (eye - view.forward.as_dvec3() * 2.0).as_vec3(),
+        _ => place(random),
+    };
+    let radius = [0.0, 0.001, 0.5][random.random_range(0..3)];
+    let outer_angle = random.random_range(0.0..1.57);
+    let inner_angle = outer_angle * [0.0, 0.5, 1.0][random.random_range(0..3)];
+    let (direction, range, profile) = (place(random), None, None);
+    let mut kinds = vec![LightKind::Point { position, radius, range, profile: None }];
+    if !simple {
+        kinds.push(LightKind::Spot { position, direction, inner_angle, outer_angle, radius, range, profile });
+        kinds.push(LightKind::Directional { direction, angular_radius: 0.0 });
+    }
+    let lights = kinds.into_iter().map(|kind| lamp([1.0, 100.0, 1e4], kind)).collect();
+    (SceneData { lights, media: vec![medium], ..base.clone() }, view)
+}
+
+#[test]
+fn no_picture_has_a_nan_or_an_infinity() {
+    let Some(headless) = headless() else { return };
+    let count = if std::env::var("BAKE_LONG").is_ok() { 10_000 } else { 500 };
+    let mut renderer = renderer(&headless);
+    let mut random = SmallRng::seed_from_u64(1);
+    let size = [4, 4];
+    let target = headless.target(size, wgpu::TextureFormat::Rgba8Unorm).create_view(&Default::default());
+    let mut model = Model::new(&headless.device, &headless.queue, wall()).expect("small");
+    let base = model.scene.clone();
+    for index in 0..count {
+        let method = Method::ALL[1 + index % 5];
+        let (scene, view) = random_scene(&mut random, &base, method);
+        model.scene = scene;
+        let air = AirSettings { method, ..AirSettings::default() };
+        renderer.draw(&model, &view, &Settings { air, ..Settings::default() }, &target, size);
+        let pixels = radiance(&headless, &renderer);
+        let bad = pixels.iter().position(|pixel| pixel.iter().any(|v| !v.is_finite() || *v < 0.0));
+        if let Some(at) = bad {
+            let scene = &model.scene;
+            panic!(
+                "{index}, {method:?}, pixel {at}: {:?} of {:?} in {:?}, {view:?}",
+                pixels[at], scene.lights, scene.media
+            );
+        }
+    }
+}
+
+#[test]
+fn uniform_air_and_air_point_by_point_are_the_same_air() {
+    let Some(headless) = headless() else { return };
+    let mut renderer = renderer(&headless);
+    let (_, lights, media, cameras) = scenes().remove(4);
+    let scene = SceneData { lights, media, ..wall() };
+    let mut model = Model::new(&headless.device, &headless.queue, scene).expect("small");
+    let uniform = draw(&headless, &mut renderer, &model, &cameras[0], AirSettings::default());
+    // A scale height of 1e7 m: uniform to 1e-6, but taken point by point.
+    model.scene.media.iter_mut().for_each(|m| m.density = Density::Exponential { base_m: 0.0, scale_height_m: 1e7 });
+    let layered = draw(&headless, &mut renderer, &model, &cameras[0], AirSettings::default());
+    let mut worst = Worst::new("uniform against point by point", 5e-5);
+    for (index, (a, b)) in uniform.iter().zip(&layered).enumerate() {
+        (0..3).for_each(|c| worst.relative(a[c].into(), b[c].into(), || format!("pixel {index}")));
+    }
+    worst.check();
+    assert!(uniform != layered, "both took the same way");
+}

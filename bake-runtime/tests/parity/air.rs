@@ -1,0 +1,265 @@
+//! Air-light functions and media against `bake-optics` in f64.
+
+use bake_optics::airlight::{Airlight, ClosedForm, IsotropicLamp, Lut, Oracle, RayMarch, Sight, UniformAir, Vacuum};
+use bake_optics::emitter::Emitter;
+use bake_optics::medium::{self, Bounds, Density, MediumSet, Ray};
+use bake_optics::phase::Phase;
+use bake_runtime::layout::Medium;
+use bake_runtime::variant::{Pass, Variant};
+use glam::DVec3;
+use rand::rngs::SmallRng;
+use rand::{RngExt, SeedableRng};
+
+use crate::harness::Case;
+
+fn round(x: f64) -> f64 {
+    f64::from(x as f32)
+}
+
+/// Rays: eye relative to the lamp (a.xyz), length (a.w), direction (b.xyz), lamp's radius (b.w), extinction (c.x) and axis (c.yzw).
+///
+/// A lamp 0.1 to 30 m away, seen at 1e-3 to π rad beside the ray, rays from 1e-2 to 100 m: grid and random.
+fn rays() -> Vec<Vec<f64>> {
+    let mut random = SmallRng::seed_from_u64(7);
+    let mut unit = move || loop {
+        let v = DVec3::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0)));
+        if (0.1..1.0).contains(&v.length()) {
+            return v.normalize();
+        }
+    };
+    let mut rows = Vec::new();
+    for gamma in [1e-3, 3e-3, 0.01, 0.1, 0.5, 1.0, 1.57, 2.0, 2.6, 3.0, 3.13] {
+        for distance in [0.1, 1.0, 5.0, 30.0] {
+            for length in [0.01, 0.9, 1.0, 4.0, 20.0, 100.0] {
+                for sigma in [1e-3, 0.1, 1.0, 5.0] {
+                    let to_lamp = unit();
+                    let side = to_lamp.cross(unit()).normalize();
+                    let dir = to_lamp * f64::cos(gamma) + side * f64::sin(gamma);
+                    let axis = unit();
+                    let (q, axis) = (-to_lamp * distance, axis);
+                    let row = [q.x, q.y, q.z, length, dir.x, dir.y, dir.z, 0.0, sigma, axis.x, axis.y, axis.z];
+                    rows.push(row.map(round).to_vec());
+                }
+            }
+        }
+    }
+    rows
+}
+
+fn sight(row: &[f64]) -> Sight<f64> {
+    let unit = |v: [f64; 3]| DVec3::from(v).normalize().to_array();
+    let (dir, axis) = (unit([row[4], row[5], row[6]]), unit([row[9], row[10], row[11]]));
+    Sight::from_points([row[0], row[1], row[2]], dir, row[3], [0.0; 3], axis)
+}
+
+/// Scattering of the test medium; its extinction comes with the row.
+const SIGMA_S: f64 = 0.5;
+
+fn uniform(row: &[f64], phase: &Phase<f64>) -> UniformAir<f64> {
+    UniformAir { sigma_s: SIGMA_S * row[8], sigma_t: row[8], phase: phase.clone() }
+}
+
+fn effects(phase: &Phase<f64>) -> Variant {
+    Variant::new(Pass::Air)
+        .with("PHASE_RAYLEIGH", matches!(phase, Phase::Rayleigh))
+        .with("PHASE_HENYEY_GREENSTEIN", matches!(phase, Phase::HenyeyGreenstein { .. }))
+        .with("PHASE_LEGENDRE", matches!(phase, Phase::Legendre(_)))
+        .constant("MEDIA", 1)
+        .constant("CUTS", 9)
+        .constant("STEPS", 64)
+        .constant("ORDERS", 3)
+}
+
+/// The medium with extinction 1: rows are scaled by their extinction instead, which leaves optical lengths as they are.
+fn media(phase: &Phase<f64>) -> (Vec<Medium>, Vec<f32>) {
+    let (kind, asymmetry, terms) = match phase {
+        Phase::Rayleigh => (2, 0.0, Vec::new()),
+        Phase::HenyeyGreenstein { g } => (3, *g as f32, Vec::new()),
+        Phase::Legendre(terms) => (4, 0.0, terms.iter().map(|&c| c as f32).collect()),
+        _ => (0, 0.0, Vec::new()),
+    };
+    let medium = Medium {
+        sigma_s: [SIGMA_S as f32; 3],
+        sigma_t: [1.0; 3],
+        phase: kind,
+        asymmetry,
+        count: terms.len() as u32,
+        ..Medium::default()
+    };
+    (vec![medium], terms)
+}
+
+/// The call with all lengths times the extinction: L scales as sigma².
+const RAY: &str = "ViewRay(a.xyz * c.x, b.xyz, a.w * c.x)";
+
+fn lamp(shape: u32, cosines: [f64; 2], count: usize, first: usize) -> String {
+    format!(
+        "Lamp(vec3f(0.0), 0.0, c.yzw, {:e}, vec3f(1.0), {:e}, {shape}u, {first}u, {count}u, 0u, 0u, 0u, 0.0, 0u)",
+        cosines[1] as f32, cosines[0] as f32
+    )
+}
+
+/// One method on one kind of air and lamp.
+struct Trial {
+    name: &'static str,
+    roots: &'static [&'static str],
+    function: &'static str,
+    nodes: u32,
+    phase: Phase<f64>,
+    lamp: Emitter<f64>,
+    limit: f64,
+}
+
+/// Air-light by quadrature, against the oracle.
+fn quadrature(name: &'static str, nodes: u32, phase: Phase<f64>, lamp: Emitter<f64>) -> Case {
+    // A ray that ends at a lamp it grazes moves with the rounding of its length; a cone adds its edge's.
+    let limit = if matches!(lamp, Emitter::SpotCone { .. }) { 3e-4 } else { 1e-4 };
+    let (roots, function): (&[&str], _) = (&["airlight_quadrature"], "lamp_airlight");
+    Trial { name, roots, function, nodes, phase, lamp, limit }
+        .case(|sight, lamp, air| Oracle::default().radiance(sight, lamp, air))
+}
+
+impl Trial {
+    /// Errors are relative to the value, or to a hundredth of what a lamp that shines alike everywhere gives where that is more:
+    /// at the edge of a cone f32 keeps few digits of little light.
+    fn case(self, method: impl Fn(&Sight<f64>, &Emitter<f64>, &UniformAir<f64>) -> f64 + 'static) -> Case {
+        let Self { name, roots, function, nodes, phase, lamp: emitter, limit } = self;
+        let (media, mut coefficients) = media(&phase);
+        let lamp = match &emitter {
+            Emitter::SpotCone { cos_inner, cos_outer } => lamp(1, [*cos_inner, *cos_outer], 0, 0),
+            Emitter::Legendre(terms) => {
+                let first = coefficients.len();
+                coefficients.extend(terms.iter().map(|&c| c as f32));
+                lamp(2, [-1.0; 2], terms.len(), first)
+            }
+            _ => lamp(0, [-1.0; 2], 0, 0),
+        };
+        let variant = effects(&phase)
+            .with("LAMP_CONE", matches!(emitter, Emitter::SpotCone { .. }))
+            .with("LAMP_LEGENDRE", matches!(emitter, Emitter::Legendre(_)))
+            .with("RAY_MARCH", roots[0] == "airlight_ray_march")
+            .quadrature(nodes);
+        let moments = (0..3).map(|l| phase.moment(l) as f32).collect();
+        let call = format!("vec4f(c.x * c.x * {function}({RAY}, {lamp}), 0.0)");
+        let twin = move |row: &[f64]| {
+            let (sight, air) = (sight(row), uniform(row, &phase));
+            let everywhere = match emitter {
+                Emitter::Isotropic => 0.0,
+                _ => 1e-2 * Oracle::default().radiance(&sight, &IsotropicLamp, &air),
+            };
+            (vec![method(&sight, &emitter, &air)], everywhere)
+        };
+        Case { name, variant, roots, call, inputs: rays(), limit, twin: Box::new(twin), media, coefficients, moments }
+    }
+}
+
+/// All cases of air-light and media.
+pub fn cases() -> Vec<Case> {
+    let cone = Emitter::SpotCone { cos_inner: 0.95, cos_outer: 0.8 };
+    let ball = || Emitter::Legendre(vec![1.0, 0.5, 0.25]);
+    let trial =
+        |name, roots, function, phase, lamp, limit| Trial { name, roots, function, nodes: 16, phase, lamp, limit };
+    let vacuum = |name, phase, lamp| {
+        let trial = trial(name, &["airlight_vacuum"], "lamp_airlight", phase, lamp, 1e-4);
+        trial.case(|sight, lamp, air| Vacuum::default().radiance(sight, lamp, air))
+    };
+    let (closed, march): (&[&str], &[&str]) = (&["airlight_closed_form"], &["airlight_ray_march"]);
+    let block = Bounds::Box { min: DVec3::new(-2.0, -1.0, -3.0), max: DVec3::new(1.0, 2.0, 0.5) };
+    let ball_bounds = Bounds::Sphere { centre: DVec3::new(0.5, 0.25, -1.0), radius: 3.0 };
+    let layer = Density::Exponential { base_m: 1.5, scale_height_m: 4.0 };
+    vec![
+        quadrature("quadrature, isotropic", 16, Phase::Isotropic, Emitter::Isotropic),
+        quadrature("quadrature, Rayleigh", 16, Phase::Rayleigh, Emitter::Isotropic),
+        quadrature("quadrature, Henyey-Greenstein 0.85", 32, Phase::HenyeyGreenstein { g: 0.85 }, Emitter::Isotropic),
+        quadrature("quadrature, Legendre", 16, Phase::Legendre(vec![1.0, 0.9, 0.5, 0.1]), Emitter::Isotropic),
+        quadrature("quadrature, cone", 16, Phase::Isotropic, cone),
+        quadrature("quadrature, Legendre lamp", 16, Phase::Isotropic, ball()),
+        vacuum("vacuum, isotropic", Phase::Isotropic, Emitter::Isotropic),
+        vacuum("vacuum, Rayleigh", Phase::Rayleigh, ball()),
+        trial("closed form", closed, "lamp_airlight_closed", Phase::Isotropic, Emitter::Isotropic, 1e-3)
+            .case(|sight, _, air| ClosedForm::default().radiance(sight, &IsotropicLamp, air)),
+        trial("ray march", march, "lamp_airlight", Phase::Isotropic, Emitter::Isotropic, 1e-3)
+            .case(|sight, lamp, air| RayMarch { steps: 64 }.radiance(sight, lamp, air)),
+        lut(),
+        optical_length("exponential", layer, Bounds::Unbounded, 2e-5),
+        optical_length("linear", Density::Linear { zero_m: 2.0, slope_per_m: -0.25 }, Bounds::Unbounded, 2e-5),
+        optical_length("box", Density::Uniform, block, 2e-5),
+        optical_length("ball", Density::Uniform, ball_bounds, 1e-4),
+    ]
+}
+
+/// The table against the same table looked up in f64.
+fn lut() -> Case {
+    let table = Lut::new(256, 3);
+    let twin = move |sight: &Sight<f64>, _: &Emitter<f64>, air: &UniformAir<f64>| {
+        let height = sight.h.max(1e-4 * sight.eye_distance());
+        table.radiance(&Sight { h: height, ..*sight }, &IsotropicLamp, air)
+    };
+    let (roots, function): (&[&str], _) = (&["airlight_lut"], "lamp_airlight");
+    let (phase, lamp, limit) = (Phase::Rayleigh, Emitter::Isotropic, 5e-5);
+    let mut case = Trial { name: "lut", roots, function, nodes: 1, phase, lamp, limit }.case(twin);
+    // The difference of two look-ups: relative to the endless ray's light.
+    case.twin = {
+        let (value, phase) = (case.twin, Phase::Rayleigh);
+        Box::new(move |row| {
+            let (sight, air) = (sight(row), uniform(row, &phase));
+            let endless = Oracle::default().radiance(&Sight { length: f64::INFINITY, ..sight }, &IsotropicLamp, &air);
+            (value(row).0, endless)
+        })
+    };
+    case
+}
+
+/// Optical length of a ray from the eye (a.xyz, length a.w, direction b.xyz).
+fn optical_length(name: &'static str, density: Density, bounds: Bounds, limit: f64) -> Case {
+    let (kind, base, slope) = match density {
+        Density::Exponential { base_m, scale_height_m } => (1, base_m, 1.0 / scale_height_m),
+        Density::Linear { zero_m, slope_per_m } => (2, zero_m, slope_per_m),
+        _ => (0, 0.0, 0.0),
+    };
+    let (shape, low, high) = match &bounds {
+        Bounds::Box { min, max } => (1, *min, *max),
+        Bounds::Sphere { centre, radius } => (2, *centre, DVec3::new(*radius, 0.0, 0.0)),
+        _ => (0, DVec3::ZERO, DVec3::ZERO),
+    };
+    let record = Medium {
+        low: low.as_vec3().to_array(),
+        high: high.as_vec3().to_array(),
+        bounds: shape,
+        density: kind,
+        base: base as f32,
+        slope: slope as f32,
+        sigma_t: [1.0; 3],
+        ..Medium::default()
+    };
+    let variant = Variant::new(Pass::Air)
+        .with("DENSITY_EXPONENTIAL", kind == 1)
+        .with("DENSITY_LINEAR", kind == 2)
+        .with("BOUNDS_BOX", shape == 1)
+        .with("BOUNDS_BALL", shape == 2)
+        .constant("MEDIA", 1);
+    let scatter = medium::Scatter { sigma_s: [1.0; 3], sigma_a: [0.0; 3] };
+    let set = MediumSet { media: vec![medium::Medium { bounds, density, scatter, phase: Phase::Isotropic }] };
+    let mut inputs = rays();
+    // Level, upright and almost level rays.
+    for dir in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [1.0, 1e-6, 0.0], [1.0, -1e-4, 0.0]] {
+        inputs
+            .extend([0.01, 1.0, 50.0].map(|length| vec![0.25, 1.0, -0.5, length, dir[0], round(dir[1]), dir[2], 0.0]));
+    }
+    Case {
+        name,
+        variant,
+        roots: &["medium"],
+        call: "vec4f(optical_depth(ViewRay(a.xyz, b.xyz, a.w)), 0.0)".into(),
+        inputs,
+        limit,
+        twin: Box::new(move |row| {
+            let dir = DVec3::new(row[4], row[5], row[6]);
+            let ray = Ray::new(DVec3::new(row[0], row[1], row[2]), dir.normalize(), row[3]);
+            // Borders that a ray only touches move by the rounding of its places.
+            (vec![set.optical_depth(&ray)[0]], 1e-2)
+        }),
+        media: vec![record],
+        ..Case::default()
+    }
+}

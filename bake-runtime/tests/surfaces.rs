@@ -1,0 +1,151 @@
+//! Surfaces: lightmaps to f32's own precision, instances, mirrors, cut and blended opacity, emission, tone curve.
+
+mod common;
+
+use bake_formats::glb::document as gltf;
+use bake_runtime::Settings;
+use common::{Fixture, front, headless, picture};
+use glam::{Affine3A, Vec2, Vec3};
+use std::f32::consts::PI;
+use testkit::compare::Worst;
+
+const SIZE: [u32; 2] = [64, 64];
+
+fn plain() -> Settings {
+    Settings { exposure: 1.0, filmic: false, ..Settings::default() }
+}
+
+/// Place on the square z = 0 that a texel of `front(2)` sees.
+fn seen(index: usize) -> Vec2 {
+    let (x, y) = (index % SIZE[0] as usize, index / SIZE[0] as usize);
+    let share = |at: usize, side: u32| (2.0 * at as f32 + 1.0) / side as f32 - 1.0;
+    Vec2::new(share(x, SIZE[0]), -share(y, SIZE[1]))
+}
+
+fn at(pixels: &[[f32; 3]], place: Vec2) -> [f32; 3] {
+    let x = ((place.x * 0.5 + 0.5) * SIZE[0] as f32) as usize;
+    let y = ((0.5 - place.y * 0.5) * SIZE[1] as f32) as usize;
+    pixels[y * SIZE[0] as usize + x]
+}
+
+#[test]
+fn a_lightmap_is_interpolated_bilinearly_and_reflected_as_lambert_says() {
+    let Some(headless) = headless() else { return };
+    let mut fixture = Fixture::new([8, 8], [0.0; 3]);
+    let value = |x: usize, y: usize| [(x * x) as f32, (3 * y + x) as f32, 1.0 + (x * y) as f32];
+    fixture.irradiance = (0..64).map(|i| value(i % 8, i / 8)).collect();
+    let material = fixture.material(|m| m.pbr_metallic_roughness.base_color_factor = [0.8, 0.5, 0.25, 1.0]);
+    let square = fixture.square(material);
+    fixture.place(square, Affine3A::IDENTITY, Vec2::ZERO, Vec2::ONE);
+    let (pixels, _) = picture(&headless, fixture.load(), &front(2.0), &plain(), SIZE);
+
+    let expected = |place: Vec2| {
+        let texel = Vec2::new(0.5 + 0.5 * place.x, 0.5 - 0.5 * place.y) * 8.0 - 0.5;
+        let (low, share) = (texel.floor(), texel - texel.floor());
+        let corner = |dx: f32, dy: f32| {
+            let at = (low + Vec2::new(dx, dy)).clamp(Vec2::ZERO, Vec2::splat(7.0));
+            Vec3::from(value(at.x as usize, at.y as usize))
+        };
+        let row = |dy: f32| corner(0.0, dy) * (1.0 - share.x) + corner(1.0, dy) * share.x;
+        (row(0.0) * (1.0 - share.y) + row(1.0) * share.y) * Vec3::new(0.8, 0.5, 0.25) / PI
+    };
+    // A sampler's eight-bit weights would leave 1/256 of a texel's difference, 0.004 and more.
+    let mut worst = Worst::new("lightmap radiance (absolute, of values up to 12)", 5e-4);
+    for (index, pixel) in pixels.iter().enumerate() {
+        let want = expected(seen(index));
+        (0..3)
+            .for_each(|c| worst.record((pixel[c] - want[c]).abs().into(), || format!("{:?} channel {c}", seen(index))));
+    }
+    worst.check();
+}
+
+#[test]
+fn instances_of_one_shape_keep_their_own_light() {
+    let Some(headless) = headless() else { return };
+    let mut fixture = Fixture::new([8, 4], [0.0; 3]);
+    fixture.irradiance = (0..32).map(|i| if i % 8 < 4 { [PI, 0.0, 0.0] } else { [0.0, 2.0 * PI, 0.0] }).collect();
+    let material = fixture.material(|_| {});
+    let square = fixture.square(material);
+    let half =
+        |x: f32| Affine3A::from_translation(Vec3::new(x, 0.0, 0.0)) * Affine3A::from_scale(Vec3::new(0.5, 1.0, 1.0));
+    fixture.place(square, half(-0.5), Vec2::ZERO, Vec2::new(0.375, 1.0));
+    fixture.place(square, half(0.5), Vec2::new(0.625, 0.0), Vec2::new(0.375, 1.0));
+    let scene = fixture.load();
+    assert_eq!((scene.draws.len(), scene.draws[0].instances.clone()), (1, 0..2), "one draw of two instances");
+    let (pixels, _) = picture(&headless, scene, &front(2.0), &plain(), SIZE);
+    let close = |got: [f32; 3], want: [f32; 3]| Vec3::from(got).abs_diff_eq(want.into(), 1e-5);
+    assert!(close(at(&pixels, Vec2::new(-0.5, 0.0)), [0.5, 0.0, 0.0]), "{:?}", at(&pixels, Vec2::new(-0.5, 0.0)));
+    assert!(close(at(&pixels, Vec2::new(0.5, 0.0)), [0.0, 1.0, 0.0]), "{:?}", at(&pixels, Vec2::new(0.5, 0.0)));
+}
+
+#[test]
+fn mirrored_nodes_keep_their_front_and_single_sided_ones_hide_their_back() {
+    let Some(headless) = headless() else { return };
+    // Left: mirrored in x, right: turned away by a mirror in z, far right nothing.
+    let mut fixture = Fixture::new([4, 4], [PI; 3]);
+    let material = fixture.material(|_| {});
+    let square = fixture.square(material);
+    let place = |x: f32, scale: Vec3| Affine3A::from_translation(Vec3::new(x, 0.0, 0.0)) * Affine3A::from_scale(scale);
+    fixture.place(square, place(-0.5, Vec3::new(-0.4, 1.0, 1.0)), Vec2::ZERO, Vec2::ONE);
+    fixture.place(square, place(0.5, Vec3::new(0.4, 1.0, -1.0)), Vec2::ZERO, Vec2::ONE);
+    let (pixels, _) = picture(&headless, fixture.load(), &front(2.0), &plain(), SIZE);
+    assert!((at(&pixels, Vec2::new(-0.5, 0.0))[0] - 0.5).abs() < 1e-5, "the mirrored front is seen");
+    assert_eq!(at(&pixels, Vec2::new(0.5, 0.0)), [0.0; 3], "a back is not");
+}
+
+#[test]
+fn opacity_cuts_and_blends_over_what_lies_behind() {
+    let Some(headless) = headless() else { return };
+    let mut fixture = Fixture::new([4, 4], [PI; 3]);
+    let wall = fixture.material(|m| m.pbr_metallic_roughness.base_color_factor = [0.25, 0.25, 0.25, 1.0]);
+    // Two texels: opaque left, a quarter opaque right.
+    let info = fixture.texture(2, 1, &[255, 255, 255, 255, 255, 255, 255, 64]);
+    let cut = fixture.material(|m| {
+        m.alpha_mode = gltf::AlphaMode::Mask;
+        m.alpha_cutoff = Some(0.5);
+        m.pbr_metallic_roughness.base_color_factor = [0.75, 0.75, 0.75, 1.0];
+        m.pbr_metallic_roughness.base_color_texture = Some(info);
+    });
+    let glass = fixture.material(|m| {
+        m.alpha_mode = gltf::AlphaMode::Blend;
+        m.pbr_metallic_roughness.base_color_factor = [1.0, 0.0, 0.0, 0.5];
+    });
+    let shapes = [wall, cut, glass].map(|material| fixture.square(material));
+    // The pane is placed first and drawn last.
+    let pane = |y: f32, z: f32| {
+        Affine3A::from_translation(Vec3::new(0.0, y, z)) * Affine3A::from_scale(Vec3::new(1.0, 0.5, 1.0))
+    };
+    fixture.place(shapes[2], pane(0.5, 0.1), Vec2::ZERO, Vec2::ONE);
+    fixture.place(shapes[1], pane(-0.5, 0.1), Vec2::ZERO, Vec2::ONE);
+    fixture.place(shapes[0], Affine3A::IDENTITY, Vec2::ZERO, Vec2::ONE);
+    let (pixels, _) = picture(&headless, fixture.load(), &front(2.0), &plain(), SIZE);
+    let close = |place: Vec2, want: [f32; 3]| {
+        let got = at(&pixels, place);
+        assert!(Vec3::from(got).abs_diff_eq(want.into(), 1e-5), "{place}: {got:?}, not {want:?}");
+    };
+    close(Vec2::new(-0.5, -0.4), [0.75; 3]);
+    close(Vec2::new(0.5, -0.4), [0.25; 3]);
+    close(Vec2::new(0.0, 0.4), [0.625, 0.125, 0.125]);
+}
+
+#[test]
+fn emission_adds_and_the_curve_comes_last() {
+    let Some(headless) = headless() else { return };
+    let mut fixture = Fixture::new([4, 4], [PI; 3]);
+    let material = fixture.material(|m| m.emissive_factor = Some([0.5, 1.0, 0.25]));
+    let square = fixture.square(material);
+    fixture.place(square, Affine3A::IDENTITY, Vec2::ZERO, Vec2::ONE);
+    let settings = Settings { exposure: 0.5, filmic: true, ..Settings::default() };
+    let (pixels, display) = picture(&headless, fixture.load(), &front(2.0), &settings, SIZE);
+    assert!(Vec3::from(at(&pixels, Vec2::ZERO)).abs_diff_eq(Vec3::new(1.0, 1.5, 0.75), 1e-5));
+    // Narkowicz 2016, then IEC 61966-2-1, in f64.
+    let display_of = |radiance: f64| {
+        let x = 0.5 * radiance;
+        let y = (x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)).clamp(0.0, 1.0);
+        255.0 * (1.055 * y.powf(1.0 / 2.4) - 0.055)
+    };
+    for (channel, radiance) in [1.0, 1.5, 0.75].into_iter().enumerate() {
+        let got = f64::from(display[channel]);
+        assert!((got - display_of(radiance)).abs() < 1.0, "channel {channel}: {got}, not {}", display_of(radiance));
+    }
+}
