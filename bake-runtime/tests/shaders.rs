@@ -81,7 +81,7 @@ fn surface_variants() -> Vec<Variant> {
         effects.iter().enumerate().fold(Variant::new(Pass::Surface), |v, (i, e)| v.with(e, bits >> i & 1 == 1))
     };
     let sensible =
-        |v: &Variant| !(v.has("EMISSION_TEXTURE") && !v.has("EMISSION")) && !(v.has("MASK") && v.has("BLEND"));
+        |v: &Variant| (v.has("EMISSION") || !v.has("EMISSION_TEXTURE")) && (!v.has("MASK") || !v.has("BLEND"));
     (0..1 << effects.len()).map(variant).filter(sensible).collect()
 }
 
