@@ -63,8 +63,8 @@ impl Air {
     }
 
     /// The box that a medium shares with the scene; its own, or the scene's, where they share none.
-    pub(super) fn shared_box(&self, medium: &Medium) -> [DVec3; 2] {
-        let [min, max] = medium.bounds.bounding_box();
+    fn shared_box(&self, medium: &Medium) -> [DVec3; 2] {
+        let [min, max] = own_box(medium);
         let shared = [min.max(self.scene[0]), max.min(self.scene[1])];
         match (shared[0].cmple(shared[1]).all(), min.is_finite()) {
             (true, _) => shared,
@@ -92,6 +92,18 @@ impl Air {
         let [min, max] = self.shared_box(medium);
         let longest = lines(min, max).into_iter().map(|line| medium.optical_length(&line)).fold(0.0, f64::max);
         medium.scatter.sigma_t().map(|sigma_t| if sigma_t > 0.0 { sigma_t * longest } else { 0.0 })
+    }
+}
+
+/// The box outside of which a medium is not; turned inside out where its grid lies beside its bounds.
+pub(super) fn own_box(medium: &Medium) -> [DVec3; 2] {
+    let [min, max] = medium.bounds.bounding_box();
+    match &medium.density {
+        Density::Grid(grid) => {
+            let [low, high] = grid.bounding_box();
+            [min.max(low), max.min(high)]
+        }
+        _ => [min, max],
     }
 }
 

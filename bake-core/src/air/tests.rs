@@ -286,6 +286,21 @@ fn media_that_are_hardly_meant_are_told() {
     let bounds = Bounds::Sphere { centre: [90.0, 0.0, 0.0], radius: 1.0 };
     assert!(matches!(warnings(Record { bounds, ..fog() }, &mut room())[..], [AirWarning::Apart { .. }]));
 
+    // A grid lies where its file says: one beside the room, one partly in it.
+    let grid = |name: &str| crate::settings::Density::Grid {
+        file: PathBuf::from(format!("{}/tests/data/air/several.vdb", env!("CARGO_MANIFEST_DIR"))),
+        name: Some(name.into()),
+        size: None,
+        values: Default::default(),
+        place: Default::default(),
+        z_up: false,
+    };
+    assert!(matches!(
+        warnings(Record { density: grid("turned"), ..fog() }, &mut room())[..],
+        [AirWarning::Apart { .. }]
+    ));
+    assert_eq!(warnings(Record { density: grid("half"), ..fog() }, &mut room()), []);
+
     let lit = |mut scene: Scene| {
         let kind = LightKind::Directional { direction: Vec3::NEG_Y, angular_radius: 0.0 };
         scene.lights.push(Light { path: "sun".into(), color: Vec3::ONE, kind });

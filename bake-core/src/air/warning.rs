@@ -1,6 +1,7 @@
 //! What is allowed and probably not meant: media that swallow the sun, touch nothing, or are finer than texels.
 
 use super::Air;
+use super::summary::own_box;
 use crate::scene::{LightKind, Scene};
 use bake_optics::medium::{MediumSet, Ray};
 use glam::DVec3;
@@ -70,7 +71,9 @@ impl fmt::Display for AirWarning {
                 "medium \"{medium}\": its mean free path of {mean_free_path_m:.2e} m is far below a texel of {texel_m:.2e} m; \
                  raise `texels_per_m` or thin it"
             ),
-            Self::Apart { medium } => write!(out, "medium \"{medium}\" lies beside the scene's box; check its bounds"),
+            Self::Apart { medium } => {
+                write!(out, "medium \"{medium}\" lies beside the scene's box; check its bounds, or where its grid lies")
+            }
             Self::NoEffect { medium } => {
                 write!(out, "medium \"{medium}\" stops no light: its coefficients or its density are zero")
             }
@@ -111,8 +114,8 @@ fn of_medium(air: &Air, index: usize, texels_per_m: f32) -> Option<AirWarning> {
     if sigma_t == 0.0 {
         return Some(AirWarning::NoEffect { medium: name.clone() });
     }
-    let [min, max] = medium.bounds.bounding_box();
-    if min.cmpgt(air.scene[1]).any() || max.cmplt(air.scene[0]).any() {
+    let [min, max] = own_box(medium);
+    if min.cmpgt(max.min(air.scene[1])).any() || max.cmplt(air.scene[0]).any() {
         return Some(AirWarning::Apart { medium: name.clone() });
     }
     let (mean_free_path_m, texel_m) = (1.0 / sigma_t, 1.0 / f64::from(texels_per_m));

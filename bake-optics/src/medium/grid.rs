@@ -3,7 +3,7 @@
 //! Inside a cell the trilinear density is a cubic polynomial of the distance along a ray, which two Gauss–Legendre nodes
 //! integrate exactly. No step size, hence no step-size error.
 
-use glam::{DAffine3, DVec3, IVec3};
+use glam::{BVec3, DAffine3, DVec3, IVec3};
 
 use crate::medium::Ray;
 use crate::medium::invert::{self, Monotone};
@@ -85,6 +85,15 @@ impl DensityGrid {
     /// Its placement: the lattice point (i, j, k) lies at the image of these coordinates.
     pub fn world_from_grid(&self) -> DAffine3 {
         self.grid_from_world.inverse()
+    }
+
+    /// Lowest and highest corner of the box beyond which the density is zero.
+    pub fn bounding_box(&self) -> [DVec3; 2] {
+        let placed = self.world_from_grid();
+        let (low, high) = (DVec3::NEG_ONE, self.size.as_dvec3());
+        let corner =
+            |i: u32| placed.transform_point3(DVec3::select(BVec3::new(i & 1 > 0, i & 2 > 0, i & 4 > 0), high, low));
+        (0..8).map(corner).fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], c| [min.min(c), max.max(c)])
     }
 
     /// The density at a world point.

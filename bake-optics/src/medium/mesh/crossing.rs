@@ -74,6 +74,42 @@ impl FiniteOrder for f64 {
 mod tests {
     use super::*;
 
+    /// Crossings of the whole line through an octahedron, with signs by `side`.
+    fn sum_of_turns(ray: &Ray, side: impl Fn(DVec2, DVec2) -> Ordering) -> i32 {
+        let corners = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
+        let faces = [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
+        let sheared = Sheared::new(ray);
+        let turn = |face: [usize; 3]| {
+            let [(a, _), (b, _), (c, _)] = face.map(|corner| sheared.point(corners[corner]));
+            match [side(a, b), side(b, c), side(c, a)] {
+                [Ordering::Greater, Ordering::Greater, Ordering::Greater] => 1,
+                [Ordering::Less, Ordering::Less, Ordering::Less] => -1,
+                _ => 0,
+            }
+        };
+        faces.into_iter().map(turn).sum()
+    }
+
+    /// What enters leaves, at vertices, edges and faces alike; the usual test, which leaves edges out, loses crossings.
+    #[test]
+    fn crossings_of_a_line_sum_to_zero() {
+        let usual = |a: DVec2, b: DVec2| a.perp_dot(b).total_order(0.0);
+        let mut lost = 0;
+        for i in 0..300 {
+            let t = f64::from(i);
+            let target = match i % 3 {
+                0 => DVec3::AXES[i as usize / 3 % 3],
+                1 => DVec3::new(0.25, 0.75, 0.0),
+                _ => DVec3::new(0.3, 0.3, 0.4),
+            };
+            let origin = DVec3::new((0.7 * t).sin(), (1.3 * t).cos() + 2.0, (2.1 * t).sin()) * 3.0;
+            let ray = Ray::between(if i % 2 == 0 { origin } else { target * 3.0 }, target);
+            assert_eq!(sum_of_turns(&ray, side), 0, "{ray:?}");
+            lost += usize::from(sum_of_turns(&ray, usual) != 0);
+        }
+        assert!(lost > 0, "the usual test loses a crossing on {lost} of 300 lines");
+    }
+
     #[test]
     fn sides_are_antisymmetric_and_exact() {
         let tiny = f64::EPSILON;
