@@ -127,7 +127,7 @@ impl<M: Media> Paths<'_, '_, M> {
         if let Some(lit) = self.draw_in_air(point, step.dir, air.next4(), counters) {
             radiance[step.last_leg.of_collision()] += throughput * lit;
         }
-        let [once, more] = self.media.cached(point, step.dir);
+        let [once, more] = self.media.cached(point, step.dir, numbers[2]);
         radiance[step.last_leg.of_collision()] += throughput * once;
         radiance[step.last_leg.of_collisions()] += throughput * more;
     }

@@ -79,8 +79,8 @@ pub trait Media: Sync {
     fn deflect_pdf(&self, point: Vec3, dir: Vec3, to: Vec3) -> f32;
 
     /// In-scattered radiance per metre against `dir` of light that comes straight from surfaces, and of light that
-    /// collided before.
-    fn cached(&self, _point: Vec3, _dir: Vec3) -> [Vec3; 2] {
+    /// collided before. `u` picks among what is near.
+    fn cached(&self, _point: Vec3, _dir: Vec3, _u: f32) -> [Vec3; 2] {
         [Vec3::ZERO; 2]
     }
 }
@@ -126,7 +126,7 @@ impl Media for Vacuum {
 /// Any sum of media, through their closed forms in double precision.
 #[derive(Debug, Clone)]
 pub struct Fog<'a> {
-    set: &'a MediumSet,
+    pub(super) set: &'a MediumSet,
     /// Whether any of it scatters; what only absorbs needs no sampling.
     scatters: bool,
 }

@@ -7,9 +7,11 @@
 mod air;
 pub mod buffers;
 pub mod emitters;
+pub mod grid;
 pub mod media;
 pub mod path;
 pub mod sampler;
+pub mod sphere;
 pub mod texels;
 pub mod warp;
 

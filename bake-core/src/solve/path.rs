@@ -57,6 +57,13 @@ pub struct Counters {
     pub cut_paths: Cell<u64>,
 }
 
+impl Counters {
+    /// Adds to the sums of rays, shadow rays and cut paths.
+    pub fn add_to(&self, sums: &mut [u64; 3]) {
+        sums.iter_mut().zip([&self.rays, &self.shadow_rays, &self.cut_paths]).for_each(|(sum, n)| *sum += n.get());
+    }
+}
+
 /// Follows paths through a scene and its air.
 pub struct Paths<'a, 's, M> {
     /// Geometry.

@@ -9,7 +9,7 @@ use super::path::{Paths, Vertex};
 use super::sampler::hash;
 use super::warp;
 use crate::atlas::{Page, SurfacePoint, Texel};
-use crate::trace::Ray;
+use crate::trace::{Ray, Tracer};
 use glam::{Vec2, Vec3};
 
 /// Rays per surface point.
@@ -87,14 +87,15 @@ fn is_buried<M: Media>(paths: &Paths<M>, vertex: &Vertex, seed: u32) -> bool {
         .filter(|&i| {
             let Vec2 { x: u, y: v } = Vec2::new((i as f32 + 0.5) / RAYS as f32, (i as f32 * 0.618_034 + turn).fract());
             let dir = warp::about(vertex.normal_geom, warp::cosine_hemisphere(u, v));
-            meets_back(paths, vertex.origin, dir)
+            meets_back(paths.tracer, &Ray { origin: vertex.origin, dir, t_max: f32::INFINITY })
         })
         .count();
     backs as f32 > BURIED_SHARE * RAYS as f32
 }
 
-fn meets_back<M: Media>(paths: &Paths<M>, origin: Vec3, dir: Vec3) -> bool {
-    let Some(hit) = paths.tracer.closest_hit(&Ray { origin, dir, t_max: f32::INFINITY }) else { return false };
-    let material = paths.tracer.scene().material_at(hit.instance, hit.triangle);
+/// Whether a ray meets the back of a single-sided surface.
+pub fn meets_back(tracer: &Tracer, ray: &Ray) -> bool {
+    let Some(hit) = tracer.closest_hit(ray) else { return false };
+    let material = tracer.scene().material_at(hit.instance, hit.triangle);
     hit.back_face && !material.double_sided && material.transmission == 0.0
 }

@@ -42,6 +42,8 @@ pub enum Target {
 pub enum Strategy {
     /// Through the light tree of all finite emitters.
     Finite,
+    /// Through the light tree of point and spot lights.
+    Lamp,
     /// Through the light tree of glowing surfaces.
     Glow,
     /// A directional light, by its index in the scene.
@@ -156,6 +158,7 @@ impl<'s> Emitters<'s> {
     ) -> Option<LightSample> {
         match strategy {
             Strategy::Finite => self.sample_finite(tracer, self.tree.sample(point, normal, u[0])?, point, u),
+            Strategy::Lamp => self.sample_finite(tracer, self.lamps.sample(point, normal, u[0])?, point, u),
             Strategy::Glow => {
                 let (index, probability) = self.glow.sample(point, normal, u[0])?;
                 self.sample_finite(tracer, (index + self.lamp_count as u32, probability), point, u)

@@ -1,0 +1,83 @@
+//! Incident radiance at free points, as spherical harmonics: what probes hold, and what the light grid knows of the air.
+
+use super::emitters::Strategy;
+use super::media::Media;
+use super::path::{Counters, Paths, Vertex};
+use super::sampler::Sampler;
+use super::warp;
+use bake_formats::Term;
+use bake_optics::harmonics::real_sh_into;
+use glam::Vec3;
+use std::f32::consts::PI;
+
+/// Coefficients with l ≤ 2, index l(l+1)+m, per linear RGB channel.
+pub type Sh9 = [Vec3; 9];
+
+/// The nine harmonics in a direction.
+pub fn harmonics(dir: Vec3) -> [f32; 9] {
+    let mut y = [0.0; 9];
+    real_sh_into(dir.to_array(), 3, &mut y);
+    y
+}
+
+/// Harmonics of incident radiance (cd/m²) by term, in the order of [`Term`].
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Incident {
+    /// One set a term.
+    pub terms: [Sh9; 4],
+}
+
+impl Incident {
+    /// Adds radiance from `dir` to a term.
+    fn add(&mut self, term: usize, dir: Vec3, radiance: Vec3) {
+        if radiance != Vec3::ZERO {
+            self.terms[term].iter_mut().zip(harmonics(dir)).for_each(|(sum, y)| *sum += radiance * y);
+        }
+    }
+
+    /// Adds another's coefficients, times `scale`.
+    pub fn add_scaled(&mut self, other: &Self, scale: f32) {
+        let pairs = self.terms.iter_mut().flatten().zip(other.terms.iter().flatten());
+        pairs.for_each(|(sum, value)| *sum += *value * scale);
+    }
+
+    /// All terms together.
+    pub fn total(&self) -> Sh9 {
+        std::array::from_fn(|i| self.terms.iter().map(|term| term[i]).sum())
+    }
+}
+
+impl<M: Media> Paths<'_, '_, M> {
+    /// One sample of the light that arrives at a free point. With `emitters`, light straight from them is drawn too.
+    pub fn gather_sphere(&self, point: Vec3, emitters: bool, sampler: &mut Sampler, counters: &Counters) -> Incident {
+        let mut incident = Incident::default();
+        let start = Vertex { origin: point, normal_geom: Vec3::ZERO, normal_shading: Vec3::ZERO };
+        if emitters {
+            self.emitters_at(point, &mut incident, sampler, counters);
+        }
+        let mut air = sampler.fork();
+        if let Some((radiance, dir, _)) = self.lamps_around(&start, &mut air, counters) {
+            incident.add(Term::Single as usize, dir, radiance);
+        }
+        let [u, v, crossing, lobe] = sampler.next4();
+        let dir = warp::uniform_sphere(u, v);
+        let pdf = 1.0 / (4.0 * PI);
+        let radiance = self.follow(&start, dir, pdf, [crossing, lobe], (sampler, &mut air), counters);
+        for (term, radiance) in radiance.into_iter().enumerate() {
+            incident.add(term, dir, radiance / pdf);
+        }
+        incident
+    }
+
+    /// Draws every kind of emitter once. What rays may find too is weighed against the uniform direction.
+    fn emitters_at(&self, point: Vec3, incident: &mut Incident, sampler: &mut Sampler, counters: &Counters) {
+        let lamps = self.emitters.has_lamps().then_some(&Strategy::Lamp);
+        for &strategy in self.emitters.strategies_in_air().iter().chain(lamps) {
+            let [u, v, w, _] = sampler.next4();
+            if let Some((irradiance, dir, pdf)) = self.draw_at(point, strategy, [u, v, w], counters) {
+                let weight = pdf.map_or(1.0, |pdf| super::path::power_heuristic(pdf, 1.0 / (4.0 * PI)));
+                incident.add(Term::Direct as usize, dir, irradiance * weight);
+            }
+        }
+    }
+}
