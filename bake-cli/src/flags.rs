@@ -3,7 +3,7 @@
 //! Values that may be absent take `none`. Records are written `key=value,key=value`, colours `0.5` or `0.5/0.4/0.3`.
 
 use crate::values::{self, Given};
-use bake_core::settings::{Env, LightUnits, Medium, Node, Probes, Quality, Rgb, Settings, Sun, Unlit};
+use bake_core::settings::{Env, LightUnits, Medium, Mode, Node, Probes, Quality, Rgb, Settings, Sun, Unlit};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
 
@@ -80,6 +80,9 @@ pub struct SettingsFlags {
     /// Unlit materials: black (only block light), reflect, emit=CD_PER_M2 [default: black]
     #[arg(hide = true, long, value_name = "HOW", help_heading = "Light", value_parser = values::unlit)]
     unlit: Option<Unlit>,
+    /// How light in the air is solved: auto, walk, grid [default: auto]
+    #[arg(long, value_name = "MODE", help_heading = "Air", value_parser = one_of(Mode::ALL), hide_possible_values = true)]
+    mode: Option<Mode>,
     /// Air: sigma_t=0.5,albedo=0.9[,g=0.3,bounds=x0:y0:z0:x1:y1:z1], channels as 0.5/0.4/0.3; none
     #[arg(long = "fog", value_name = "RECORD", help_heading = "Light", value_parser = values::optional(values::fog))]
     media: Option<Given<Vec<Medium>>>,
@@ -123,6 +126,7 @@ impl SettingsFlags {
         set(&mut settings.bake_instanced, flags.bake_instanced);
         set(&mut settings.scene, flags.scene);
         self.apply_light(settings);
+        set(&mut settings.mode, flags.mode);
         // `none` is air without media, not the glTF file's.
         if let Some(Given(media)) = flags.media {
             settings.media = Some(media.unwrap_or_default());
@@ -174,7 +178,7 @@ mod tests {
     }
 
     /// Every key with a flag value that is not its default.
-    const NOT_DEFAULT: [(&str, &str); 26] = [
+    const NOT_DEFAULT: [(&str, &str); 27] = [
         ("quality", "--quality final"),
         ("target_error", "--target-error 1.5%"),
         ("samples", "--samples 64"),
@@ -195,6 +199,7 @@ mod tests {
         ("ies", "--ies Lamp=lamp.ies"),
         ("unlit", "--unlit reflect"),
         ("bake_instanced", "--bake-instanced"),
+        ("mode", "--mode walk"),
         ("media", "--fog sigma_t=0.5,albedo=0.9"),
         ("probes", "--probes 2"),
         ("sh1", "--sh1"),

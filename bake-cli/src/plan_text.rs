@@ -31,6 +31,9 @@ pub fn text(name: &str, plan: &Plan) -> String {
     for medium in &plan.media {
         line("medium", medium_text(medium));
     }
+    if let Some(choice) = &plan.mode {
+        line("mode", format!("{} ({})", choice.mode.name(), choice.why));
+    }
     for effect in &plan.effects {
         let state = if effect.on { "on " } else { "off" };
         line("effect", format!("{state} {:<24} {}", effect.name, effect.why));

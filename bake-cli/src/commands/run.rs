@@ -58,7 +58,7 @@ fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, F
     let plan = Plan::derive(&job.scene, &job.air, &job.settings, &job.atlas, rayon::current_num_threads());
     tell(global, progress, &job, &plan);
 
-    let mut lightmap = trace(&job, progress, &mut stopwatch)?;
+    let mut lightmap = trace(&job, &plan, progress, &mut stopwatch)?;
     let raw = job.settings.keep_raw.then(|| lightmap.pages.clone());
     stopwatch.time("post", || finish_pages(&job, &mut lightmap.pages));
     stop_if_interrupted(progress)?;
@@ -89,11 +89,14 @@ fn tell(global: &Global, progress: &Progress, job: &Job, plan: &Plan) {
     }
 }
 
-fn trace(job: &Job, progress: &Progress, stopwatch: &mut Stopwatch) -> Result<Lightmap, Failure> {
+fn trace(job: &Job, plan: &Plan, progress: &Progress, stopwatch: &mut Stopwatch) -> Result<Lightmap, Failure> {
     progress.stage("build trees", 0);
     let tracer = stopwatch.time("build trees", || Tracer::new(&job.scene));
     stop_if_interrupted(progress)?;
-    let settings = job.settings.lightmap_settings();
+    let mut settings = job.settings.lightmap_settings();
+    if let Some(choice) = &plan.mode {
+        settings.mode = choice.mode;
+    }
     let traced = stopwatch.time("trace", || solve::lightmap(&tracer, &job.air.media, &job.atlas, &settings, progress));
     traced.map_err(|_| Failure::Interrupted)
 }

@@ -71,6 +71,8 @@ pub struct Settings {
     /// Instances of EXT_mesh_gpu_instancing take lightmaps too.
     pub bake_instanced: bool,
 
+    /// How light in the air is solved.
+    pub mode: Mode,
     /// The air; that of the glTF scene's `extras.bake_media` when absent, none when empty.
     pub media: Option<Vec<Medium>>,
     /// A grid of probes.
@@ -110,6 +112,7 @@ impl Default for Settings {
             ies: BTreeMap::new(),
             unlit: Unlit::Black,
             bake_instanced: false,
+            mode: Mode::Auto,
             media: None,
             probes: None,
             sh1: false,
@@ -180,6 +183,23 @@ impl Quality {
             Self::Final => 0.01,
         }
     }
+}
+
+/// How light in the air is solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Mode {
+    /// Chosen by the plan from what the air is like.
+    #[default]
+    Auto,
+    /// Volumetric path tracing: unbiased, slow.
+    Walk,
+    /// A grid of light in the air, looked up along paths over surfaces.
+    Grid,
+}
+
+impl Mode {
+    /// All, by the name of their flag value.
+    pub const ALL: [(&str, Self); 3] = [("auto", Self::Auto), ("walk", Self::Walk), ("grid", Self::Grid)];
 }
 
 /// A sun: parallel light but for its disk.

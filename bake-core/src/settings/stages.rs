@@ -3,7 +3,8 @@
 use super::{LightUnits, Quality, Settings, SettingsError, Unlit};
 use crate::atlas::AtlasSettings;
 use crate::scene::{self, LoadOptions, Scene, SceneChoice, UnlitMode};
-use crate::solve::LightmapSettings;
+use crate::solve::grid::GridSettings;
+use crate::solve::{LightmapSettings, Mode};
 use glam::Vec3;
 
 impl Settings {
@@ -84,7 +85,7 @@ impl Settings {
         }
     }
 
-    /// For [`crate::solve::lightmap`].
+    /// For [`crate::solve::lightmap`]; the mode is the plan's to choose.
     pub fn lightmap_settings(&self) -> LightmapSettings {
         let (floor, cap) = self.samples.map_or(self.quality.sample_range(), |samples| (samples, samples));
         LightmapSettings {
@@ -94,11 +95,24 @@ impl Settings {
             bounces: self.bounces,
             sh1: self.sh1,
             seed: self.seed,
+            mode: Mode::Walk,
+            grid: self.quality.grid(),
         }
     }
 }
 
 impl Quality {
+    /// The light grid: fine enough for walls of a share 1/cells of the scene, walks for the noise of many nodes together.
+    pub fn grid(self) -> GridSettings {
+        let [cells, samples] = match self {
+            Self::Preview => [8, 256],
+            Self::Medium => [12, 512],
+            Self::High => [18, 1024],
+            Self::Final => [24, 2048],
+        };
+        GridSettings { cells, samples }
+    }
+
     /// Samples per texel at least and at most. A sample's spread is about the texel's value, so that an error e takes
     /// about e⁻² samples; the cap leaves a factor of four for harder light, the floor keeps the estimate of the error
     /// itself reliable.

@@ -19,14 +19,22 @@ use glam::{DVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
 /// Largest distance of nodes, in mean free paths: measured in impulse responses' section 12.5.
-const MOST_FREE_PATHS: f64 = 0.45;
-/// Cells along the region's longest side at least, and along any side at most.
-const FEWEST_CELLS: f64 = 10.0;
-const MOST_CELLS: u32 = 40;
+pub const MOST_FREE_PATHS: f64 = 0.45;
+/// Cells along a side at most.
+pub const MOST_CELLS: u32 = 40;
 /// Rays by which a node learns whether it lies inside something.
 const PROBES: u32 = 12;
 /// Corners tried before a point counts as cut off from all of them.
 const MOST_TRIES: u32 = 12;
+
+/// How fine the grid is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct GridSettings {
+    /// Cells along the region's longest side at least.
+    pub cells: u32,
+    /// Walks a node.
+    pub samples: u32,
+}
 
 /// A lattice over the scattering air.
 #[derive(Debug, Clone)]
@@ -52,21 +60,21 @@ struct Node {
 }
 
 impl LightGrid {
-    /// Lays out and fills the grid; `samples` walks a node.
+    /// Lays out and fills the grid.
     pub fn solve(
         paths: &Paths<Fog>,
-        samples: u32,
+        settings: GridSettings,
         seed: u32,
         counters: &mut [u64; 3],
         progress: &dyn Progress,
     ) -> Result<Self, Interrupted> {
         let (min, max) = region(paths.media.set, paths.tracer);
-        let size = lattice(paths.media.set, min, max - min);
+        let size = lattice(paths.media.set, min, max - min, settings.cells);
         let spacing = (max - min) / (size - 1).as_vec3();
         let mut grid = Self { min, spacing, size, nodes: vec![], clear: vec![] };
         progress.stage("light in the air", u64::from(size.element_product()));
         let nodes = (0..size.element_product()).into_par_iter().map(|index| {
-            let node = grid.node(paths, index, samples, hash(seed, index));
+            let node = grid.node(paths, index, settings.samples, hash(seed, index));
             progress.advance(1);
             if progress.is_cancelled() { Err(Interrupted) } else { Ok(node) }
         });
@@ -241,8 +249,8 @@ impl Media for Lit<'_, '_> {
 /// The box in which light is gathered: around what scatters, or around the scene where that has no end.
 fn region(set: &MediumSet, tracer: &Tracer) -> (Vec3, Vec3) {
     let [low, high] = tracer.scene().bounds();
-    // Beyond the scene light in endless air is taken as that at the border.
-    let margin = 0.25 * (high - low);
+    // Air that goes on much farther than the scene is lit there as on the border.
+    let margin = (high - low).max_element();
     let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     for medium in set.media.iter().filter(|m| m.scatter.sigma_s.iter().any(|&s| s > 0.0)) {
         let [a, b] = medium.bounds.bounding_box().map(|corner| corner.as_vec3());
@@ -253,11 +261,11 @@ fn region(set: &MediumSet, tracer: &Tracer) -> (Vec3, Vec3) {
 }
 
 /// Nodes along each axis: close enough for the mean free path where the air is densest.
-fn lattice(set: &MediumSet, min: Vec3, size: Vec3) -> UVec3 {
+fn lattice(set: &MediumSet, min: Vec3, size: Vec3, fewest_cells: u32) -> UVec3 {
     const LOOKS: u32 = 16;
     let at = |i: u32| (UVec3::new(i % LOOKS, i / LOOKS % LOOKS, i / (LOOKS * LOOKS)).as_vec3() + 0.5) / LOOKS as f32;
     let densest = (0..LOOKS.pow(3)).flat_map(|i| set.sigma_t((min + at(i) * size).as_dvec3())).fold(0.0, f64::max);
-    let spacing = (MOST_FREE_PATHS / densest).min(f64::from(size.max_element()) / FEWEST_CELLS);
+    let spacing = (MOST_FREE_PATHS / densest).min(f64::from(size.max_element()) / f64::from(fewest_cells));
     let cells = (size.as_dvec3() / spacing).ceil().clamp(DVec3::splat(3.0), DVec3::splat(f64::from(MOST_CELLS)));
     cells.as_uvec3() + 1
 }

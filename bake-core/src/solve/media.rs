@@ -128,7 +128,7 @@ impl Media for Vacuum {
 pub struct Fog<'a> {
     pub(super) set: &'a MediumSet,
     /// Whether any of it scatters; what only absorbs needs no sampling.
-    scatters: bool,
+    pub(super) scatters: bool,
 }
 
 impl<'a> Fog<'a> {

@@ -22,6 +22,7 @@ use bake_optics::medium::MediumSet;
 use buffers::{PageBuffers, TermImage, Validity};
 use emitters::Emitters;
 use glam::Vec3;
+use grid::{GridSettings, LightGrid, Lit};
 use media::{Fog, Media, Vacuum};
 use path::{Counters, Gathered, Paths};
 use rayon::prelude::*;
@@ -33,6 +34,9 @@ pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
 /// Independent sequences per texel.
 pub const REPLICATES: usize = 8;
+
+/// Of the light grid, beside those of pages.
+const GRID_SEED: u32 = 0x6772_6964;
 
 /// Texels that one task solves.
 const TEXELS_PER_TASK: usize = 64;
@@ -52,11 +56,44 @@ pub struct LightmapSettings {
     pub sh1: bool,
     /// Same seed, same bits.
     pub seed: u32,
+    /// How light in the air is solved, where there is any.
+    pub mode: Mode,
+    /// The light grid of [`Mode::Grid`].
+    pub grid: GridSettings,
+}
+
+/// How light in the air is solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// Volumetric path tracing: unbiased, slow.
+    Walk,
+    /// Paths over surfaces alone, which look the light in the air up in a grid.
+    Grid,
 }
 
 impl Default for LightmapSettings {
     fn default() -> Self {
-        Self { target_error: 0.02, min_samples: 64, max_samples: 4096, bounces: None, sh1: false, seed: 0 }
+        Self {
+            target_error: 0.02,
+            min_samples: 64,
+            max_samples: 4096,
+            bounces: None,
+            sh1: false,
+            seed: 0,
+            mode: Mode::Walk,
+            grid: GridSettings { cells: 12, samples: 256 },
+        }
+    }
+}
+
+impl Mode {
+    /// Name in flags and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Walk => "walk",
+            Self::Grid => "grid",
+        }
     }
 }
 
@@ -111,11 +148,23 @@ pub fn lightmap(
     settings: &LightmapSettings,
     progress: &dyn Progress,
 ) -> Result<Lightmap, Interrupted> {
-    if media.media.is_empty() {
-        pages(tracer, &Vacuum, atlas, settings, progress)
-    } else {
-        pages(tracer, &Fog::new(media), atlas, settings, progress)
-    }
+    let (fog, mut counts) = (Fog::new(media), [0; 3]);
+    let mut lightmap = match settings.mode {
+        _ if media.media.is_empty() => pages(tracer, &Vacuum, atlas, settings, progress)?,
+        Mode::Grid if fog.scatters => {
+            let emitters = Emitters::new(tracer);
+            let bounces = settings.bounces.unwrap_or(u32::MAX);
+            let paths = Paths { tracer, emitters: &emitters, media: &fog, bounces, sh1: false };
+            let seed = hash(settings.seed, GRID_SEED);
+            let grid = LightGrid::solve(&paths, settings.grid, seed, &mut counts, progress)?;
+            pages(tracer, &Lit::new(fog, &grid, tracer), atlas, settings, progress)?
+        }
+        _ => pages(tracer, &fog, atlas, settings, progress)?,
+    };
+    lightmap.rays += counts[0];
+    lightmap.shadow_rays += counts[1];
+    lightmap.cut_paths += counts[2];
+    Ok(lightmap)
 }
 
 fn pages<M: Media>(

@@ -232,7 +232,7 @@ fn the_error_falls_with_samples_and_is_what_it_says() {
             max_samples: samples,
             bounces: Some(4),
             seed: 9,
-            sh1: false,
+            ..Default::default()
         };
         let bake =
             lightmap(&Tracer::new(&scene), &MediumSet::default(), &quad_atlas(SIZE), &settings, &Silent).unwrap();

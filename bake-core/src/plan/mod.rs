@@ -1,5 +1,9 @@
 //! What a bake will simulate and why, and what that will take: derived from scene, settings and atlas before any ray.
 
+mod mode;
+
+pub use mode::Choice;
+
 use crate::air::{self, Air};
 use crate::atlas::Atlas;
 use crate::scene::{AlphaMode, LightKind, Material, Scene};
@@ -14,6 +18,8 @@ pub struct Plan {
     pub effects: Vec<Effect>,
     /// The air.
     pub media: Vec<air::Summary>,
+    /// How light in the air is solved; `None` without air.
+    pub mode: Option<Choice>,
     /// What the scene consists of.
     pub scene: SceneSize,
     /// What will be written.
@@ -100,6 +106,7 @@ impl Plan {
         Self {
             effects: effects(scene, air, settings),
             media: air.summaries(),
+            mode: (!air.is_empty()).then(|| Choice::derive(scene, air, settings)),
             scene: scene_size(scene, atlas),
             cost: cost(scene, settings, atlas, texels, threads),
             atlas: size,
