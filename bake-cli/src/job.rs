@@ -34,11 +34,11 @@ impl Job {
         let loaded = stopwatch.time("load", || scene::load(&input.file, &settings.load_options()));
         let (mut scene, warnings) = loaded.map_err(Failure::invalid)?;
         let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+        let unused = settings.choose_lightmapped(&mut scene);
+        warnings.extend(unused.iter().map(|key| unknown_node(key, &scene)));
         settings.adopt_media(&scene)?;
         let (air, notes) = stopwatch.time("air", || air::resolve(&settings, &mut scene))?;
         warnings.extend(notes.iter().map(ToString::to_string));
-        let unused = settings.choose_lightmapped(&mut scene);
-        warnings.extend(unused.iter().map(|key| unknown_node(key, &scene)));
         stop_if_interrupted(progress)?;
 
         if !scene.instances.iter().any(|instance| instance.lightmapped) {

@@ -178,3 +178,107 @@ fn unshuffle(shuffled: &[u8], out: &mut [u8], type_size: usize) {
     let tail = elements * type_size;
     out[tail..].copy_from_slice(&shuffled[tail..]);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    fn numbers() -> Vec<f32> {
+        (0..512).map(|i| i as f32 * 0.25).collect()
+    }
+
+    fn plain(values: &[f32]) -> Vec<u8> {
+        values.iter().flat_map(|value| value.to_le_bytes()).collect()
+    }
+
+    /// A leaf of form 6 (all values stored) whose data are `chunk`.
+    fn leaf(compression: u32, chunk: &[u8]) -> Result<Vec<f32>, GridFault> {
+        let mut file = vec![6];
+        if compression & (ZIP | BLOSC) != 0 {
+            file.extend((chunk.len() as i64).to_le_bytes());
+        }
+        file.extend(chunk);
+        let stream = Stream { compression, half: false, background: 0.0 };
+        stream.values(&mut Bytes::new(&file), &Mask(vec![u64::MAX; 8]))
+    }
+
+    fn zlib(data: &[u8]) -> Vec<u8> {
+        let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
+        encoder.write_all(data).expect("memory takes bytes");
+        encoder.finish().expect("memory takes bytes")
+    }
+
+    /// A Blosc chunk of one block, cut into `streams` streams that are stored as they are.
+    fn blosc_chunk(flags: u8, data: &[u8], streams: usize) -> Vec<u8> {
+        let mut chunk = vec![2, 1, flags, 4];
+        for word in [data.len() as u32, data.len() as u32, 0, 20] {
+            chunk.extend(word.to_le_bytes());
+        }
+        for stream in data.chunks(data.len() / streams) {
+            chunk.extend((stream.len() as u32).to_le_bytes());
+            chunk.extend(stream);
+        }
+        chunk
+    }
+
+    #[test]
+    fn every_packing_holds_the_same_numbers() {
+        let (values, data) = (numbers(), plain(&numbers()));
+        let shuffled: Vec<u8> = (0..4).flat_map(|byte| data.iter().skip(byte).step_by(4).copied()).collect();
+        let copied = [&blosc_chunk(0b10, &data, 1)[..16], &data].concat();
+        let cases = [
+            ("plain", 0, data.clone()),
+            ("zlib", ZIP, zlib(&data)),
+            ("Blosc, one stream", BLOSC, blosc_chunk(0b0011_0000, &data, 1)),
+            ("Blosc, shuffled", BLOSC, blosc_chunk(0b0011_0001, &shuffled, 1)),
+            ("Blosc, shuffled and split", BLOSC, blosc_chunk(0b0010_0001, &shuffled, 4)),
+            ("Blosc, copied", BLOSC, copied),
+        ];
+        for (what, compression, chunk) in cases {
+            assert_eq!(leaf(compression, &chunk).unwrap_or_else(|error| panic!("{what} {error}")), values, "{what}");
+        }
+    }
+
+    #[test]
+    fn chunks_of_another_length_or_codec_are_refused() {
+        let data = plain(&numbers());
+        let wrong = [
+            (ZIP, zlib(&data[4..])),
+            (ZIP, data.clone()),
+            (BLOSC, blosc_chunk(0b0011_0000, &data[4..], 1)),
+            (BLOSC, blosc_chunk(0b0001_0000, &data, 1)),
+            (BLOSC, blosc_chunk(0b0011_0100, &data, 1)),
+            (BLOSC, vec![2, 1]),
+        ];
+        for (compression, chunk) in wrong {
+            assert!(
+                matches!(leaf(compression, &chunk), Err(GridFault::Damaged { .. })),
+                "{compression} {:?}",
+                &chunk[..2]
+            );
+        }
+    }
+
+    /// Where only active values are stored, the others are one of two values, chosen by a second mask.
+    #[test]
+    fn inactive_values_are_those_of_the_form() {
+        let mut active = Mask(vec![0; 8]);
+        active.0[1] = 1 << 5;
+        let selected: Vec<u8> = (0..64).map(|byte| if byte == 0 { 1 } else { 0 }).collect();
+        let stream = Stream { compression: ACTIVE_MASK, half: false, background: 0.5 };
+        let read = |form: u8, rest: &[u8]| {
+            let file = [&[form], rest, &7f32.to_le_bytes()].concat();
+            let values = stream.values(&mut Bytes::new(&file), &active).expect("valid");
+            assert_eq!(values[69], 7.0);
+            (values[0], values[1])
+        };
+        let (two, three) = (2f32.to_le_bytes(), 3f32.to_le_bytes());
+        assert_eq!(read(0, &[]), (0.5, 0.5));
+        assert_eq!(read(1, &[]), (-0.5, -0.5));
+        assert_eq!(read(2, &two), (2.0, 2.0));
+        assert_eq!(read(3, &selected), (0.5, -0.5));
+        assert_eq!(read(4, &[&two[..], &selected].concat()), (0.5, 2.0));
+        assert_eq!(read(5, &[&two[..], &three, &selected].concat()), (3.0, 2.0));
+    }
+}
