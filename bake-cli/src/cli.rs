@@ -14,6 +14,7 @@ const EXAMPLES: &str = "\
 Examples:
   bake run room.glb                          bake to room.bake/ beside the scene
   bake run room.glb --quality preview -o out/room
+  bake reference room.glb -o out/truth       the same by walks alone, unbiased, slower
   bake plan room.glb                         sizes, memory and time; traces nothing
   bake init room.glb                         write room.bake.ron, every setting explained
   bake diff out/a out/b                      compare two packages
@@ -63,6 +64,8 @@ pub struct Global {
 pub enum Command {
     /// Bake a scene: plan, trace, write a package
     Run(Box<commands::run::Args>),
+    /// Bake a scene by volumetric path tracing alone: the unbiased truth
+    Reference(Box<commands::reference::Args>),
     /// Say what would be baked, and its sizes, memory and time; trace nothing
     Plan(Box<commands::plan::Args>),
     /// Write a commented settings file for a scene

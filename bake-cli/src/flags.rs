@@ -82,7 +82,7 @@ pub struct SettingsFlags {
     unlit: Option<Unlit>,
     /// How light in the air is solved: auto, walk, grid [default: auto]
     #[arg(long, value_name = "MODE", help_heading = "Air", value_parser = one_of(Mode::ALL), hide_possible_values = true)]
-    mode: Option<Mode>,
+    pub mode: Option<Mode>,
     /// Air: sigma_t=0.5,albedo=0.9[,g=0.3,bounds=x0:y0:z0:x1:y1:z1], channels as 0.5/0.4/0.3; none
     #[arg(long = "fog", value_name = "RECORD", help_heading = "Light", value_parser = values::optional(values::fog))]
     media: Option<Given<Vec<Medium>>>,

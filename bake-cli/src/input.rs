@@ -2,7 +2,7 @@
 
 use crate::exit::Failure;
 use crate::flags::SettingsFlags;
-use bake_core::settings::{self, Settings};
+use bake_core::settings::{self, Mode, Settings};
 use std::path::{Path, PathBuf};
 
 /// The usage line names the only argument; it has no list of its own.
@@ -31,6 +31,20 @@ impl Input {
         self.flags.apply(&mut settings);
         settings.check()?;
         Ok(settings)
+    }
+
+    /// The same input with light in the air solved by walks, whatever a settings file says.
+    ///
+    /// # Errors
+    /// A flag asks for another mode.
+    pub fn by_walks(mut self) -> Result<Self, Failure> {
+        match self.flags.mode.replace(Mode::Walk) {
+            None | Some(Mode::Walk) => Ok(self),
+            Some(_) => Err(Failure::wrong(
+                "`bake reference` solves by walks alone: --mode asks for something else",
+                "leave `--mode` out, or use `bake run`",
+            )),
+        }
     }
 }
 

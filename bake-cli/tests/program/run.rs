@@ -129,6 +129,25 @@ fn fog_gives_all_four_terms() {
     assert_eq!(package.manifest.terms, Term::ALL);
 }
 
+/// The reference takes the flags of `run` and is its mode walk, bit for bit; the settings file's mode does not count.
+#[test]
+fn the_reference_is_the_bake_by_walks() {
+    let desk = Desk::with_room();
+    let flags = "--fog sigma_t=0.5,albedo=0.9 --samples 16 --page-size 32 --max-pages 1 -q";
+    desk.write("room.bake.ron", "Bake(mode: Grid)");
+    let bake = |command: &str, folder: &str| {
+        desk.bake(&format!("{command} room.glb {flags} -o {folder}")).expect(0, &[]);
+        package_bytes(&desk, folder)["room.terms.00.exr"].clone()
+    };
+    let reference = bake("reference", "truth");
+    assert!(reference == bake("run --mode walk", "walk"));
+    assert!(reference != bake("run", "grid"), "the settings ask for a grid, which gives other bits");
+    for mode in ["grid", "auto"] {
+        let ended = desk.bake(&format!("reference room.glb --mode {mode}"));
+        ended.expect(2, &["--mode", "walks", "bake run"]);
+    }
+}
+
 #[test]
 fn effects_of_later_versions_are_refused_by_name() {
     let desk = Desk::with_room();

@@ -9,6 +9,7 @@ fn help_fits_a_screen() {
         ("--help", "bake run room.glb"),
         ("run --help", "Accuracy:"),
         ("run -h", "--max-pages"),
+        ("reference --help", "out/truth"),
         ("plan --help", "--texels-per-m"),
         ("tables generate --help", "--scatter-orders"),
         ("init --help", "--force"),
