@@ -5,7 +5,8 @@
 //! ([`super::sphere`]), so the grid's only error is interpolation: no sweeps, nothing to converge.
 //!
 //! Between nodes one corner of the cell is drawn in proportion to its trilinear weight. In cells with geometry a corner
-//! counts only where it is seen from the point, so that light does not pass walls thinner than a cell.
+//! counts only where it is seen from the point, so that light does not pass walls thinner than a cell. The noise of nodes
+//! is the same for all texels that look them up and is not part of a texel's variance.
 
 use super::media::{Deflected, Flight, Fog, Leg, Media};
 use super::path::{Counters, Paths};
@@ -24,8 +25,6 @@ pub const MOST_FREE_PATHS: f64 = 0.45;
 pub const MOST_CELLS: u32 = 40;
 /// Rays by which a node learns whether it lies inside something.
 const PROBES: u32 = 12;
-/// Corners tried before a point counts as cut off from all of them.
-const MOST_TRIES: u32 = 12;
 
 /// How fine the grid is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -152,27 +151,46 @@ impl LightGrid {
             && (0..8).all(|a| (0..a).all(|b| sees(tracer, self.position(corners[a]), self.position(corners[b]))))
     }
 
-    /// A node near the point, drawn in proportion to trilinear weights among those that the point sees.
-    fn pick(&self, tracer: &Tracer, point: Vec3, u: f32) -> Option<&Node> {
+    /// A node near the point, drawn in proportion to trilinear weights among the corners of its cell that it sees.
+    fn pick(&self, tracer: &Tracer, point: Vec3, mut u: f32) -> Option<&Node> {
         let local = ((point - self.min) / self.spacing).clamp(Vec3::ZERO, (self.size - 1).as_vec3());
         let lowest = local.as_uvec3().min(self.size - 2);
         let share = local - lowest.as_vec3();
+        let mut weights: [f32; 8] = std::array::from_fn(|corner| {
+            let along = |axis: usize| if corner >> axis & 1 == 1 { share[axis] } else { 1.0 - share[axis] };
+            // A corner may be all that is seen from its opposite.
+            (along(0) * along(1) * along(2)).max(1e-6)
+        });
         let is_clear = self.clear[self.index(lowest)];
-        for attempt in 0..MOST_TRIES {
-            let mut number = (u + attempt as f32 * 0.618_034).fract();
-            let mut corner = 0;
-            for axis in 0..3 {
-                let upper = number < share[axis];
-                number = if upper { number / share[axis] } else { (number - share[axis]) / (1.0 - share[axis]) };
-                corner |= u32::from(upper) << axis;
-            }
-            let at = self.corner(lowest, corner);
+        // Corners that are not seen are put away one by one: what remains keeps its proportions.
+        for _ in 0..8 {
+            let total: f32 = weights.iter().sum();
+            let mut rest = u * total;
+            let corner = (0..8).find(|&i| {
+                rest -= weights[i];
+                rest < 0.0
+            });
+            let corner = corner.unwrap_or_else(|| (0..8).rfind(|&i| weights[i] > 0.0).unwrap_or(0));
+            let at = self.corner(lowest, corner as u32);
             let node = &self.nodes[self.index(at)];
             if is_clear || (node.valid && sees(tracer, point, self.position(at))) {
                 return Some(node);
             }
+            u = (1.0 + rest / weights[corner]).clamp(0.0, 1.0 - f32::EPSILON);
+            weights[corner] = 0.0;
         }
-        None
+        self.nearest_seen(tracer, point, lowest)
+    }
+
+    /// The nearest node that the point sees, of the cells around its own.
+    fn nearest_seen(&self, tracer: &Tracer, point: Vec3, lowest: UVec3) -> Option<&Node> {
+        let first = lowest.saturating_sub(UVec3::ONE);
+        let around =
+            (0..64).map(|i| first + UVec3::new(i % 4, i / 4 % 4, i / 16)).filter(|at| at.cmplt(self.size).all());
+        let mut valid: Vec<UVec3> = around.filter(|&at| self.nodes[self.index(at)].valid).collect();
+        let distance = |at: &UVec3| self.position(*at).distance_squared(point);
+        valid.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        valid.iter().find(|&&at| sees(tracer, point, self.position(at))).map(|&at| &self.nodes[self.index(at)])
     }
 }
 

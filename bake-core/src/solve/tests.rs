@@ -1,5 +1,6 @@
 //! The solver against closed forms: laws, analytic values, furnaces with their partial sums, each with a wrong twin.
 
+mod air_laws;
 mod fog;
 
 use super::*;

@@ -137,7 +137,7 @@ fn courtyard_air() -> MediumSet {
     uniform(bounds, 0.125, 1.0, Phase::Isotropic)
 }
 
-fn sun(irradiance: f32, towards: Vec3) -> Light {
+pub fn sun(irradiance: f32, towards: Vec3) -> Light {
     let kind = LightKind::Directional { direction: -towards.normalize(), angular_radius: 0.0 };
     Light { path: "sun".into(), color: Vec3::splat(irradiance), kind }
 }
@@ -159,7 +159,7 @@ fn walk_meets_the_courtyard() {
 }
 
 /// Irradiance by mode `grid`.
-fn by_grid(
+pub fn by_grid(
     scene: &Scene,
     air: &MediumSet,
     points: &[(Vec3, Vec3)],
