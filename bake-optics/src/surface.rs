@@ -94,6 +94,11 @@ impl SurfaceTable {
         Self { size, values: (0..size * size).map(texel).collect() }
     }
 
+    /// The table: rows of constant angle, T fastest; what a shader samples.
+    pub fn texels(&self) -> &[f32] {
+        &self.values
+    }
+
     /// G_n by bilinear look-up, in f32 as a shader does it.
     pub fn look_up<T: Real>(&self, t: T, theta: T) -> T {
         let one = T::one();

@@ -12,6 +12,7 @@ fn fragment(in: Screen) -> @location(0) vec4f {
     let along = view_direction(in.position.xy);
     let stretch = length(along);
     let away = select(FAR, frame.near / max(depth, 1e-30) * stretch, depth > 0.0);
-    let air = air_along(along / stretch, min(away, FAR));
+    var air = air_along(along / stretch, min(away, FAR));
+    air.transmittance = select(vec3f(1.0), air.transmittance, depth > 0.0); // if SKY_FOGGED
     return vec4f(radiance * air.transmittance + air.inscatter, 1.0);
 }

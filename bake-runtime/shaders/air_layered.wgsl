@@ -29,13 +29,6 @@ fn scattering_at(place: vec3f, deflection: Deflection) -> vec3f {
     return sum;
 }
 
-// 1 inside the bounds, 0 outside.
-fn optical_inside(medium: Medium, place: vec3f) -> f32 {
-    let box = all(place >= medium.low) && all(place <= medium.high);
-    let ball = length(place - medium.low) <= medium.high.x;
-    return select(0.0, 1.0, medium.bounds == 0u || (medium.bounds == 1u && box) || (medium.bounds == 2u && ball));
-}
-
 fn air_value(ray: ViewRay, lamp: Lamp, sigma_t: vec3f, point: PathPoint) -> vec3f {
     let place = ray.origin + ray.dir * point.s;
     let to_lamp = lamp.position - place;

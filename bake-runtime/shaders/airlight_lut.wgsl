@@ -1,10 +1,8 @@
 // Air-light as the difference of two look-ups a Legendre order. Twin: bake_optics::airlight::Lut.
-// uses: sight, air_uniform
+// uses: sight, air_uniform, moments
 
 // Layer l: tails f_l over (sqrt(H)/(1 + sqrt(H)), 2 atan(v)/pi), divided by their scale.
 @group(0) @binding(12) var tail_texels: texture_2d_array<f32>;
-// Legendre moments of each medium's phase function, ORDERS a medium.
-@group(0) @binding(13) var<storage, read> moments: array<f32>;
 
 // Twin: scale_of.
 fn tail_scale(h: f32, v: f32) -> f32 {

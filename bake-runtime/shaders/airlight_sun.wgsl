@@ -4,6 +4,7 @@
 // uses: air_uniform // unless LAYERED
 // uses: air_layered // if LAYERED
 // uses: pieces
+// uses: shadow // if SHADOWS
 
 // Light against the sun, from a place to where it leaves all air.
 fn depth_to_sun(place: vec3f, sun: Sun) -> vec3f {

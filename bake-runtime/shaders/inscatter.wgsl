@@ -1,5 +1,5 @@
 // All that the air does along one view ray from the eye.
-// uses: frame, medium
+// uses: frame, medium, lamps
 // uses: air_uniform // unless LAYERED
 // uses: air_layered // if LAYERED
 // uses: airlight_quadrature // if QUADRATURE
@@ -7,10 +7,12 @@
 // uses: airlight_lut // if LUT
 // uses: airlight_closed_form // if CLOSED_FORM
 // uses: airlight_ray_march // if RAY_MARCH
+// uses: shafts // if SHAFTS
 // uses: airlight_sun // if SUNS
+// uses: lattice_inscatter // if LATTICE_AIR
 
-@group(0) @binding(14) var<storage, read> lamps: array<Lamp>; // if LAMPS
-@group(0) @binding(15) var<storage, read> suns: array<Sun>; // if SUNS
+// Most that a lamp of unit intensity gives, 1/m^2: an eye within a lamp in air as thick as rock.
+const BRIGHTEST = 1e24;
 
 struct Air {
     // Radiance scattered towards the eye, cd/m^2.
@@ -32,11 +34,13 @@ fn air_along(dir: vec3f, away: f32) -> Air {
     let inside = ViewRay(vec3f(0.0), dir, span.y); // if LAYERED
     for (var i = 0u; i < frame.lamp_count; i++) { // if LAMPS
         let lamp = lamps[i]; // if LAMPS
-        air.inscatter += lamp.intensity * lamp_airlight(inside, lamp); // if LAMPS&QUADRATURE|LAMPS&VACUUM|LAMPS&LUT|LAMPS&RAY_MARCH
-        air.inscatter += lamp.intensity * lamp_airlight_closed(inside, lamp); // if LAMPS&CLOSED_FORM
+        air.inscatter += lamp.intensity * min(lamp_airlight(inside, lamp), vec3f(BRIGHTEST)); // if LAMPS&!CLOSED_FORM&!SHAFTS
+        air.inscatter += lamp.intensity * min(lamp_airlight_shadowed(inside, lamp), vec3f(BRIGHTEST)); // if LAMPS&SHAFTS
+        air.inscatter += lamp.intensity * min(lamp_airlight_closed(inside, lamp), vec3f(BRIGHTEST)); // if LAMPS&CLOSED_FORM
     } // if LAMPS
     for (var i = 0u; i < frame.sun_count; i++) { // if SUNS
         air.inscatter += suns[i].irradiance * sun_airlight(inside, suns[i]); // if SUNS
     } // if SUNS
+    air.inscatter += lattice_inscatter(ViewRay(dir * span.x, dir, span.y - span.x)); // if LATTICE_AIR
     return air;
 }

@@ -1,6 +1,9 @@
 // The media of the picture: where they are and how dense. Twins: bake_optics::medium. Places are relative to the eye.
 // uses: arithmetic, phase, view_ray
 
+// Largest exponent of a density: beyond it sums of products of lamp, air and lobe overflow.
+const THICKEST = 40.0;
+
 // Optical depth beyond which light is left out: below f32's digits; what a march of equal steps can afford.
 const LIGHT_DEPTH = 30.0; // unless RAY_MARCH
 const LIGHT_DEPTH = 12.0; // if RAY_MARCH
@@ -44,7 +47,7 @@ fn exponential_length(n: f32, height: f32, climb: f32, length_of_ray: f32) -> f3
     let x = n * abs(climb) * length_of_ray; // if DENSITY_EXPONENTIAL
     let effective = length_of_ray * phi1(-min(x, 1e30)); // if DENSITY_EXPONENTIAL
     let low = select(height, height + climb * length_of_ray, climb < 0.0); // if DENSITY_EXPONENTIAL
-    return exp(clamp(-n * low, -DARK, 60.0)) * effective; // if DENSITY_EXPONENTIAL
+    return exp(clamp(-n * low, -DARK, THICKEST)) * effective; // if DENSITY_EXPONENTIAL
 } // if DENSITY_EXPONENTIAL
 
 // Linear density: integral of max(0, start + s slope) over [0, length]. Twin: linear::optical_length.
@@ -58,9 +61,16 @@ fn linear_length(start: f32, slope: f32, length_of_ray: f32) -> f32 { // if DENS
 
 // Density at a place inside the bounds. Twin: Density::at.
 fn density_at(medium: Medium, place: vec3f) -> f32 {
-    if medium.density == 1u { return exp(clamp(-medium.slope * (place.y - medium.base), -DARK, 60.0)); } // if DENSITY_EXPONENTIAL
+    if medium.density == 1u { return exp(clamp(-medium.slope * (place.y - medium.base), -DARK, THICKEST)); } // if DENSITY_EXPONENTIAL
     if medium.density == 2u { return max(0.0, medium.slope * (place.y - medium.base)); } // if DENSITY_LINEAR
     return 1.0;
+}
+
+// 1 inside the bounds, 0 outside.
+fn optical_inside(medium: Medium, place: vec3f) -> f32 {
+    let box = all(place >= medium.low) && all(place <= medium.high);
+    let ball = length(place - medium.low) <= medium.high.x;
+    return select(0.0, 1.0, medium.bounds == 0u || (medium.bounds == 1u && box) || (medium.bounds == 2u && ball));
 }
 
 // Integral of the density along a ray, metres. Twin: Medium::optical_length.

@@ -27,7 +27,7 @@ struct PathPoint {
     sin_theta: f32,
 }
 
-// A lamp is nowhere nearer than this share of its distance: 1/r^2 stays finite for lamps without radius.
+// A lamp is nowhere nearer than this share of its distance, nor than a nanometre: 1/r^2 stays finite for lamps without radius.
 const LEAST_SHARE = 1e-6;
 
 // w x q by split products: near the line the plain ones keep no digit of h.
@@ -44,7 +44,7 @@ fn sight_of(dir: vec3f, q: vec3f, length_of_ray: f32, axis: vec3f, radius: f32) 
     var sight: Sight;
     let across = moment(dir, q);
     let line = length(across);
-    sight.h = max(line, max(radius, max(LEAST_SHARE * length(q), 1e-12)));
+    sight.h = max(line, max(radius, max(LEAST_SHARE * length(q), 1e-9)));
     sight.z = dot(dir, q);
     sight.length = length_of_ray;
     sight.eye_distance = sqrt(sight.z * sight.z + sight.h * sight.h);

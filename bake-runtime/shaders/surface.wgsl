@@ -4,6 +4,10 @@
 // uses: emission_texture // if EMISSION_TEXTURE
 // uses: lightmap // if LIGHTMAP
 // uses: sh1 // if SH1
+// uses: normal_map // if NORMAL_MAP
+// uses: views // if SHOW_TEXELS|SHOW_NODES
+// uses: lattice // if PROBES
+// uses: lights // if LIGHTS
 // uses: inscatter // if AIR
 
 @group(0) @binding(1) var<storage, read> instances: array<Instance>;
@@ -60,14 +64,22 @@ fn fragment(in: VertexOut, @builtin(front_facing) front: bool) -> @location(0) v
     base *= base_texel(in.uv_0, in.uv_more); // if BASE_TEXTURE
     if base.a < surface.alpha_cutoff { discard; } // if MASK
     let facing = select(-1.0, 1.0, front);
-    let normal = normalize(in.normal) * facing;
+    let flat = normalize(in.normal) * facing; // if NORMAL_MAP
+    let normal = bent_normal(flat, in.place, in.uv_0); // if NORMAL_MAP
+    let normal = normalize(in.normal) * facing; // unless NORMAL_MAP
     var light = vec3f(0.0);
     let around = texels_around(in.page_uv); // if LIGHTMAP
-    light += baked_irradiance(around); // if LIGHTMAP
+    light += baked_irradiance(around); // if LIGHTMAP&!SH1
+    light += bent_irradiance(around, flat, normal); // if SH1
+    light += lattice_irradiance(in.place, normal); // if PROBES
     var radiance = base.rgb * light / PI;
+    radiance += lit_radiance(base.rgb, surface.exponent, in.place, normal); // if LIGHTS
     var emission = surface.emission; // if EMISSION
     emission *= emission_texel(in.uv_0, in.uv_more); // if EMISSION_TEXTURE
     radiance += emission; // if EMISSION
+    radiance = light; // if SHOW_PAGE
+    radiance *= texel_pattern(in.page_uv); // if SHOW_TEXELS
+    radiance = node_color(in.node); // if SHOW_NODES
     let air = air_along(normalize(in.place), length(in.place)); // if AIR
     radiance = radiance * air.transmittance + air.inscatter; // if AIR
     return vec4f(radiance, base.a); // if BLEND

@@ -83,8 +83,8 @@ shared! {
         sun_count: u32,
         /// Uniform sky, cd/m².
         sky: vec3f,
-        /// Which quantity is shown instead of the picture, 0: none.
-        debug_view: u32,
+        /// Not used.
+        padding: u32,
         /// Width and height, texels; left edge and width of the part that is drawn.
         viewport: vec4f,
     }
@@ -113,6 +113,14 @@ shared! {
         emission: vec3f,
         /// Opacity below which MASK cuts.
         alpha_cutoff: f32,
+        /// Exponent of the Phong lobe.
+        exponent: f32,
+        /// Layer of the lobe's table.
+        lobe: u32,
+        /// Not used.
+        padding_y: f32,
+        /// Not used.
+        padding_z: f32,
         /// Map of base-colour coordinates: u row (u, v, 1, set).
         base_u: vec4f,
         /// v row.
@@ -198,7 +206,7 @@ shared! {
     }
     /// A lattice of harmonics: probes, or cells of fog.
     Lattice {
-        /// Position of the first point, metres.
+        /// Position of the first point, relative to the eye, metres.
         origin: vec3f,
         /// Points along x.
         count_x: u32,

@@ -4,7 +4,7 @@ use bake_formats::glb::document::Sampler;
 use wgpu::util::DeviceExt;
 
 use crate::error::{Result, RuntimeError};
-use crate::scene::{Draw, Page, SceneData, Texture};
+use crate::scene::{Draw, LatticeData, Page, SceneData, Texture};
 
 /// A scene on the device.
 #[derive(Debug)]
@@ -18,6 +18,9 @@ pub struct Model {
     pub(crate) surfaces: Vec<wgpu::Buffer>,
     pub(crate) textures: Vec<(wgpu::TextureView, wgpu::Sampler)>,
     pub(crate) pages: Vec<PageViews>,
+    pub(crate) probes: Option<wgpu::TextureView>,
+    /// Exponents of the materials' Phong lobes, each once.
+    pub(crate) exponents: Vec<f32>,
 }
 
 /// A lightmap page on the device.
@@ -31,6 +34,7 @@ impl Model {
     /// Puts a scene on the device. Errors: a page, texture or buffer beyond the device's limits.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, mut scene: SceneData) -> Result<Self> {
         check_limits(device, &scene)?;
+        let exponents = number_lobes(&mut scene);
         let buffer = |label, bytes: &[u8], usage| {
             // Empty lists still need a binding.
             let contents = if bytes.is_empty() { &[0; 64] } else { bytes };
@@ -47,6 +51,8 @@ impl Model {
                 .collect(),
             textures: scene.textures.iter().map(|texture| upload_texture(device, queue, texture)).collect(),
             pages: scene.pages.iter().map(|page| upload_page(device, queue, page)).collect(),
+            probes: scene.probes.as_ref().map(|lattice| upload_lattice(device, queue, lattice)),
+            exponents,
             scene: SceneData::default(),
         };
         scene.vertices = Vec::new();
@@ -59,6 +65,11 @@ impl Model {
     pub(crate) fn bind_lists(&self, pass: &mut wgpu::RenderPass) {
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+    }
+
+    /// Whether a draw's page holds harmonics.
+    pub(crate) fn has_sh1(&self, draw: &Draw) -> bool {
+        draw.page.is_some_and(|page| self.pages[page as usize].sh1.is_some())
     }
 
     /// What a draw binds of its page, by the shader's name.
@@ -77,6 +88,8 @@ impl Model {
         match name {
             "base_texture" => wgpu::BindingResource::TextureView(&texture(material.base_texture).0),
             "base_sampler" => wgpu::BindingResource::Sampler(&texture(material.base_texture).1),
+            "normal_texture" => wgpu::BindingResource::TextureView(&texture(material.normal_texture).0),
+            "normal_sampler" => wgpu::BindingResource::Sampler(&texture(material.normal_texture).1),
             "emission_texture" => wgpu::BindingResource::TextureView(&texture(material.emission_texture).0),
             "emission_sampler" => wgpu::BindingResource::Sampler(&texture(material.emission_texture).1),
             _ => self.surfaces[draw.material as usize].as_entire_binding(),
@@ -84,11 +97,32 @@ impl Model {
     }
 }
 
+/// Numbers the Phong lobes that occur; layer 0 of the table is Lambert's.
+fn number_lobes(scene: &mut SceneData) -> Vec<f32> {
+    let mut exponents = Vec::new();
+    for material in scene.materials.iter_mut().filter(|material| material.shines) {
+        let exponent = material.surface.exponent;
+        let known = exponents.iter().position(|&known| known == exponent);
+        let at = known.unwrap_or_else(|| {
+            exponents.push(exponent);
+            exponents.len() - 1
+        });
+        material.surface.lobe = at as u32 + 1;
+    }
+    exponents
+}
+
+fn upload_lattice(device: &wgpu::Device, queue: &wgpu::Queue, lattice: &LatticeData) -> wgpu::TextureView {
+    let [nx, ny, nz] = lattice.count;
+    upload_texels(device, queue, [nx * nz, ny], &lattice.harmonics, true)
+}
+
 fn check_limits(device: &wgpu::Device, scene: &SceneData) -> Result<()> {
     let limits = device.limits();
     let side = limits.max_texture_dimension_2d;
     let sizes = scene.pages.iter().map(|p| ("a lightmap page", p.width.max(p.height)));
-    let sizes = sizes.chain(scene.textures.iter().map(|t| ("a texture", t.width.max(t.height))));
+    let probes = scene.probes.iter().map(|p| ("the probe image", (p.count[0] * p.count[2]).max(p.count[1])));
+    let sizes = sizes.chain(probes).chain(scene.textures.iter().map(|t| ("a texture", t.width.max(t.height))));
     for (what, size) in sizes {
         if size > side {
             let (what, needed, allowed) = (format!("{what}'s side in texels"), size.into(), side.into());
@@ -119,7 +153,7 @@ fn upload_texture(device: &wgpu::Device, queue: &wgpu::Queue, texture: &Texture)
         mip_level_count,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8UnormSrgb,
+        format: if texture.linear { wgpu::TextureFormat::Rgba8Unorm } else { wgpu::TextureFormat::Rgba8UnormSrgb },
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     };
@@ -178,21 +212,23 @@ fn sampler(sampler: &Sampler) -> wgpu::SamplerDescriptor<'static> {
 
 fn upload_page(device: &wgpu::Device, queue: &wgpu::Queue, page: &Page) -> PageViews {
     let size = [page.width, page.height];
+    let opaque = |texels: &Vec<[f32; 3]>| texels.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect::<Vec<_>>();
+    let sh1 = page.sh1.as_ref().map(|sh1| sh1.iter().map(opaque).collect::<Vec<_>>());
     PageViews {
-        irradiance: upload_texels(device, queue, size, std::slice::from_ref(&page.irradiance), false),
-        sh1: page.sh1.as_ref().map(|sh1| upload_texels(device, queue, size, sh1, true)),
+        irradiance: upload_texels(device, queue, size, &[opaque(&page.irradiance)], false),
+        sh1: sh1.map(|layers| upload_texels(device, queue, size, &layers, true)),
     }
 }
 
-/// Three-channel f32 images of one size as layers of a texture.
+/// Four-channel f32 images of one size as layers of a texture.
 pub(crate) fn upload_texels(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     [width, height]: [u32; 2],
-    layers: &[Vec<[f32; 3]>],
+    layers: &[Vec<[f32; 4]>],
     array: bool,
 ) -> wgpu::TextureView {
-    let texels: Vec<[f32; 4]> = layers.iter().flatten().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+    let texels: Vec<[f32; 4]> = layers.iter().flatten().copied().collect();
     let descriptor = wgpu::TextureDescriptor {
         label: Some("texels"),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: layers.len() as u32 },

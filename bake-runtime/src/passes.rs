@@ -179,7 +179,8 @@ fn render_pipeline(
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &attributes,
     };
-    let meshes = key.variant.pass() == Pass::Surface;
+    let pass = key.variant.pass();
+    let meshes = matches!(pass, Pass::Surface | Pass::Caster);
     let buffers = [meshes.then_some(vertices)];
     let target = wgpu::ColorTargetState {
         format: key.format,
@@ -202,7 +203,7 @@ fn render_pipeline(
         },
         depth_stencil: depth_state(key),
         multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
+        fragment: (pass != Pass::Caster).then_some(wgpu::FragmentState {
             module,
             entry_point: Some("fragment"),
             compilation_options: Default::default(),
@@ -217,6 +218,7 @@ fn render_pipeline(
 fn depth_state(key: &Key) -> Option<wgpu::DepthStencilState> {
     let (write, compare) = match key.variant.pass() {
         Pass::Surface => (!key.blended, wgpu::CompareFunction::Greater),
+        Pass::Caster => (true, wgpu::CompareFunction::Greater),
         Pass::Sky => (false, wgpu::CompareFunction::Always),
         _ => return None,
     };

@@ -1,23 +1,36 @@
 //! Draws a model to a texture view.
 //!
 //! ```text
-//! sky, opaque and cut surfaces ─► radiance, depth ─► air in front of them ─► blended surfaces, each with its own air ─► tone curve
+//! shadow maps ─► sky, opaque and cut surfaces ─► radiance, depth ─► air in front of them ─► blended surfaces, each with its own air ─► tone curve
 //! ```
 //!
 //! Blending α over what lies behind is right in air: with L(s) and T(s) the air's light and transmittance as far as s, and B(s) the
 //! light that arrives there from behind, L(s) + T(s) (α C + (1 − α) B(s)) = α (L(s) + T(s) C) + (1 − α) (L(s) + T(s) B(s)).
 
-use wgpu::util::DeviceExt;
-
-use bake_formats::manifest::LightRecord;
-
-use crate::air::{AirBuffers, AirPlan, AirSettings, Method, tail_texels};
+use crate::air::{AirPlan, AirSettings, Method, surface_texels, tail_texels};
 use crate::camera::Camera;
-use crate::layout::Frame;
+use crate::error::Result;
 use crate::model::Model;
 use crate::passes::{Key, Pipelines};
+use crate::picture::{Picture, Tables, air_plan, caster_frame};
 use crate::scene::{Draw, Opacity};
+use crate::shadows::MOST_MAPS;
+use crate::timing::Timer;
 use crate::variant::{Pass, Variant};
+
+/// What is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Show {
+    /// Light.
+    #[default]
+    Light,
+    /// What the lightmap pages hold, as it is.
+    Irradiance,
+    /// The same as a pattern of its texels.
+    Texels,
+    /// A colour for each placement.
+    Nodes,
+}
 
 /// How a picture is made.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,18 +41,29 @@ pub struct Settings {
     pub filmic: bool,
     /// The air.
     pub air: AirSettings,
+    /// Side of the shadow maps, texels; none: light passes through everything.
+    pub shadow_size: Option<u32>,
+    /// Whether light stored in the package's probes lights the air too.
+    pub baked_in_air: bool,
+    /// What is shown.
+    pub show: Show,
+    /// Whether passes are timed, where the device can: [`Renderer::milliseconds`].
+    pub timed: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { exposure: 1.0, filmic: true, air: AirSettings::default() }
+        let (exposure, filmic, air) = (1.0, true, AirSettings::default());
+        Self { exposure, filmic, air, shadow_size: None, baked_in_air: true, show: Show::Light, timed: false }
     }
 }
 
 impl Settings {
-    /// An exposure that suits the model.
+    /// Exposure that suits the model, and shadows where its air or lights call for them.
     pub fn for_model(model: &Model) -> Self {
-        Self { exposure: 0.5 / model.scene.typical_radiance(), ..Self::default() }
+        let shadows = !model.scene.media.is_empty() || !model.scene.dynamic_lights.is_empty();
+        let exposure = 0.5 / model.scene.typical_radiance();
+        Self { exposure, shadow_size: shadows.then_some(1024), ..Self::default() }
     }
 }
 
@@ -53,6 +77,9 @@ pub struct Renderer {
     pipelines: Pipelines,
     images: Option<Images>,
     tails: Option<wgpu::TextureView>,
+    surfaces: Option<(Vec<f32>, wgpu::TextureView)>,
+    shadows: Option<wgpu::Texture>,
+    timer: Option<Timer>,
 }
 
 /// Images between the passes.
@@ -72,33 +99,6 @@ impl Images {
     }
 }
 
-/// What the passes of one picture share.
-struct Picture<'a> {
-    model: &'a Model,
-    camera: &'a Camera,
-    settings: &'a Settings,
-    frame: wgpu::Buffer,
-    buffers: AirBuffers,
-    plan: Option<AirPlan>,
-}
-
-impl Picture<'_> {
-    /// What is bound in group 0 under a name.
-    fn resource<'a>(&'a self, name: &str) -> wgpu::BindingResource<'a> {
-        match name {
-            "frame" => self.frame.as_entire_binding(),
-            "instances" => self.model.instances.as_entire_binding(),
-            "page_uvs" => self.model.page_uvs.as_entire_binding(),
-            "media" => self.buffers.media.as_entire_binding(),
-            "lamps" => self.buffers.lamps.as_entire_binding(),
-            "suns" => self.buffers.suns.as_entire_binding(),
-            "coefficients" => self.buffers.coefficients.as_entire_binding(),
-            "moments" => self.buffers.moments.as_entire_binding(),
-            _ => unreachable!("no resource is called '{name}'"),
-        }
-    }
-}
-
 impl Renderer {
     /// A renderer for targets of `format`; sRGB formats and linear 8-bit ones alike receive display-ready colours.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, format: wgpu::TextureFormat) -> Self {
@@ -107,7 +107,8 @@ impl Renderer {
         let radiance_format = if exact { wgpu::TextureFormat::Rgba32Float } else { wgpu::TextureFormat::Rgba16Float };
         let (device, queue) = (device.clone(), queue.clone());
         let pipelines = Pipelines::default();
-        Self { device, queue, format, radiance_format, pipelines, images: None, tails: None }
+        let (images, tails, surfaces, shadows, timer) = (None, None, None, None, None);
+        Self { device, queue, format, radiance_format, pipelines, images, tails, surfaces, shadows, timer }
     }
 
     /// Draws `model` as `camera` sees it to the whole of `target`, `size` texels.
@@ -121,18 +122,33 @@ impl Renderer {
     ) {
         let size = size.map(|side| side.max(1));
         self.resize(size);
-        let picture = self.picture(model, camera, settings, size);
+        self.make_tables(model, settings);
+        let shadows = self.shadows.as_ref().map(|texture| texture.create_view(&Default::default()));
+        let (tails, surfaces) = (self.tails.clone(), self.surfaces.clone());
+        let surfaces = surfaces.as_ref().map(|(_, view)| view);
+        let tables = Tables { tails: tails.as_ref(), surfaces, shadows: shadows.as_ref() };
+        let picture = Picture::new(&self.device, (model, camera, settings), size, tables);
+        self.timer = if settings.timed { self.timer.take().or_else(|| Timer::new(&self.device)) } else { None };
+        self.timer.iter_mut().for_each(Timer::begin);
         let mut encoder = self.device.create_command_encoder(&Default::default());
+        self.draw_shadows(&mut encoder, &picture);
         self.draw_opaque(&mut encoder, &picture);
         self.draw_air(&mut encoder, &picture);
         self.draw_blended(&mut encoder, &picture);
         self.draw_tone(&mut encoder, &picture, target);
+        self.timer.iter().for_each(|timer| timer.resolve(&mut encoder));
         self.queue.submit([encoder.finish()]);
     }
 
     /// Radiance of the last picture, cd/m²: what the tone curve was applied to.
     pub fn radiance(&self) -> Option<&wgpu::Texture> {
         self.images.as_ref().map(|images| &images.radiance[images.shown])
+    }
+
+    /// Milliseconds that each pass of the last picture took on the device; waits for it. `None` where it was not timed, or
+    /// the device has no timestamps.
+    pub fn milliseconds(&self) -> Option<Result<Vec<(&'static str, f64)>>> {
+        self.timer.as_ref().map(|timer| timer.milliseconds(&self.device, &self.queue))
     }
 
     /// Shaders made so far.
@@ -142,31 +158,55 @@ impl Renderer {
 
     /// What the air of a picture would be drawn with; `None` where there is none to draw.
     pub fn air_plan(&self, model: &Model, settings: &Settings) -> Option<AirPlan> {
-        let lights: Vec<&LightRecord> = model.scene.lights.iter().chain(&model.scene.dynamic_lights).collect();
-        AirPlan::new(settings.air, &model.scene.media, &lights)
+        air_plan(model, settings)
     }
 
-    fn picture<'a>(
-        &mut self,
-        model: &'a Model,
-        camera: &'a Camera,
-        settings: &'a Settings,
-        size: [u32; 2],
-    ) -> Picture<'a> {
-        let scene = &model.scene;
-        let plan = self.air_plan(model, settings);
-        let buffers = AirBuffers::new(&self.device, &scene.media, &scene.lights, &scene.dynamic_lights, camera.eye);
+    /// Tables and maps that outlive a picture, where this one calls for them.
+    fn make_tables(&mut self, model: &Model, settings: &Settings) {
+        let plan = air_plan(model, settings);
         if plan.as_ref().is_some_and(|plan| plan.method == Method::Lut) && self.tails.is_none() {
             self.tails = Some(tail_texels(&self.device, &self.queue));
         }
-        let [lamp_count, sun_count] = buffers.counts;
-        let frame = Frame { lamp_count, sun_count, ..frame(model, camera, settings, size) };
-        let frame = self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("frame"),
-            contents: bytemuck::bytes_of(&frame),
-            usage: wgpu::BufferUsages::UNIFORM,
-        });
-        Picture { model, camera, settings, frame, buffers, plan }
+        let softens = plan.is_some_and(|plan| plan.softens) && !model.scene.dynamic_lights.is_empty();
+        if softens && self.surfaces.as_ref().is_none_or(|(exponents, _)| *exponents != model.exponents) {
+            let view = surface_texels(&self.device, &self.queue, &model.exponents);
+            self.surfaces = Some((model.exponents.clone(), view));
+        }
+        let size = settings.shadow_size.map(|side| side.clamp(16, 8192));
+        if let Some(side) = size.filter(|&side| self.shadows.as_ref().is_none_or(|maps| maps.width() != side)) {
+            self.shadows = Some(shadow_maps(&self.device, side));
+        }
+    }
+
+    /// Depth as each light with a shadow map sees it.
+    fn draw_shadows(&mut self, encoder: &mut wgpu::CommandEncoder, picture: &Picture) {
+        let Some(maps) = self.shadows.clone() else { return };
+        let model = picture.model;
+        for (layer, view) in picture.buffers.views.iter().enumerate() {
+            let frame = caster_frame(&self.device, picture.camera, view.clip_from_relative);
+            let target = maps.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2),
+                base_array_layer: layer as u32,
+                array_layer_count: Some(1),
+                ..Default::default()
+            });
+            let key = Key::screen(Variant::new(Pass::Caster), self.radiance_format);
+            let pipeline = self.pipelines.get(&self.device, key);
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("shadows"),
+                depth_stencil_attachment: Some(depth_attachment(&target, wgpu::LoadOp::Clear(0.0))),
+                ..Default::default()
+            });
+            pass.set_pipeline(&pipeline.pipeline);
+            pipeline.bind(&self.device, &mut pass, 0, |name| match name {
+                "frame" => frame.as_entire_binding(),
+                _ => picture.resource(name),
+            });
+            model.bind_lists(&mut pass);
+            for draw in model.scene.draws.iter().filter(|draw| !blends(model, draw)) {
+                pass.draw_indexed(draw.indices.clone(), 0, draw.instances.clone());
+            }
+        }
     }
 
     fn resize(&mut self, size: [u32; 2]) {
@@ -197,8 +237,9 @@ impl Renderer {
         let images = self.images.as_mut().expect("images are made before drawing");
         images.shown = 0;
         let (radiance, depth) = (images.radiance(0), images.depth.create_view(&Default::default()));
-        let mut pass = surface_pass(encoder, &radiance, &depth, true);
-        if picture.model.scene.environment.is_some() {
+        let timed = self.timer.as_mut().and_then(|timer| timer.writes("surfaces"));
+        let mut pass = surface_pass(encoder, (&radiance, &depth), true, timed);
+        if picture.model.scene.environment.is_some() && picture.settings.show == Show::Light {
             let key = Key::screen(Variant::new(Pass::Sky), self.radiance_format);
             let pipeline = self.pipelines.get(&self.device, key);
             pass.set_pipeline(&pipeline.pipeline);
@@ -213,7 +254,7 @@ impl Renderer {
 
     /// The air in front of what was drawn so far.
     fn draw_air(&mut self, encoder: &mut wgpu::CommandEncoder, picture: &Picture) {
-        let Some(plan) = &picture.plan else { return };
+        let Some(plan) = picture.plan.as_ref().filter(|_| picture.settings.show == Show::Light) else { return };
         let images = self.images.as_mut().expect("images are made before drawing");
         images.shown = 1;
         let (before, after) = (images.radiance(0), images.radiance(1));
@@ -223,13 +264,13 @@ impl Renderer {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("air"),
             color_attachments: &[Some(color_attachment(&after, wgpu::LoadOp::Clear(wgpu::Color::BLACK)))],
+            timestamp_writes: self.timer.as_mut().and_then(|timer| timer.writes("air")),
             ..Default::default()
         });
         pass.set_pipeline(&pipeline.pipeline);
         pipeline.bind(&self.device, &mut pass, 0, |name| match name {
             "radiance_texels" => wgpu::BindingResource::TextureView(&before),
             "depth_map" => wgpu::BindingResource::TextureView(&depth),
-            "tail_texels" => wgpu::BindingResource::TextureView(self.tails.as_ref().expect("made with the picture")),
             _ => picture.resource(name),
         });
         pass.draw(0..3, 0..1);
@@ -246,7 +287,8 @@ impl Renderer {
         draws.sort_by(|a, b| distance(b).total_cmp(&distance(a)));
         let images = self.images.as_ref().expect("images are made before drawing");
         let (radiance, depth) = (images.radiance(images.shown), images.depth.create_view(&Default::default()));
-        let mut pass = surface_pass(encoder, &radiance, &depth, false);
+        let timed = self.timer.as_mut().and_then(|timer| timer.writes("blended"));
+        let mut pass = surface_pass(encoder, (&radiance, &depth), false, timed);
         model.bind_lists(&mut pass);
         for draw in draws {
             self.draw_one(&mut pass, picture, draw);
@@ -257,18 +299,12 @@ impl Renderer {
         let model = picture.model;
         let material = &model.scene.materials[draw.material as usize];
         let blended = blends(model, draw);
-        let mut variant = surface_variant(model, draw);
-        if let Some(plan) = picture.plan.as_ref().filter(|_| blended) {
-            variant = variant.and(&plan.variant).with("AIR", true);
-        }
+        let variant = picture.surface_variant(draw);
         let (mirrored, double_sided) = (draw.mirrored, material.double_sided);
         let key = Key { variant, format: self.radiance_format, mirrored, double_sided, blended };
         let pipeline = self.pipelines.get(&self.device, key);
         pass.set_pipeline(&pipeline.pipeline);
-        pipeline.bind(&self.device, pass, 0, |name| match name {
-            "tail_texels" => wgpu::BindingResource::TextureView(self.tails.as_ref().expect("made with the picture")),
-            _ => picture.resource(name),
-        });
+        pipeline.bind(&self.device, pass, 0, |name| picture.resource(name));
         pipeline.bind(&self.device, pass, 1, |name| model.page_resource(draw, name));
         pipeline.bind(&self.device, pass, 2, |name| model.material_resource(draw, name));
         pass.draw_indexed(draw.indices.clone(), 0, draw.instances.clone());
@@ -283,6 +319,7 @@ impl Renderer {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("tone"),
             color_attachments: &[Some(color_attachment(target, wgpu::LoadOp::Clear(wgpu::Color::BLACK)))],
+            timestamp_writes: self.timer.as_mut().and_then(|timer| timer.writes("tone")),
             ..Default::default()
         });
         pass.set_pipeline(&pipeline.pipeline);
@@ -306,50 +343,36 @@ fn color_attachment(view: &wgpu::TextureView, load: wgpu::LoadOp<wgpu::Color>) -
 /// A pass over surfaces, on cleared images or on what is there.
 fn surface_pass<'a>(
     encoder: &'a mut wgpu::CommandEncoder,
-    radiance: &wgpu::TextureView,
-    depth: &wgpu::TextureView,
+    (radiance, depth): (&wgpu::TextureView, &wgpu::TextureView),
     clear: bool,
+    timed: Option<wgpu::RenderPassTimestampWrites>,
 ) -> wgpu::RenderPass<'a> {
     let color = if clear { wgpu::LoadOp::Clear(wgpu::Color::BLACK) } else { wgpu::LoadOp::Load };
     let load = if clear { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("surfaces"),
         color_attachments: &[Some(color_attachment(radiance, color))],
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: depth,
-            depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
-            stencil_ops: None,
-        }),
+        depth_stencil_attachment: Some(depth_attachment(depth, load)),
+        timestamp_writes: timed,
         ..Default::default()
     })
 }
 
-fn frame(model: &Model, camera: &Camera, settings: &Settings, [width, height]: [u32; 2]) -> Frame {
-    let aspect = width as f32 / height as f32;
-    let (right, up) = camera.half_extents(aspect);
-    let sky = model.scene.environment.as_ref().map_or([0.0; 3], |sky| sky.mean_radiance.to_array());
-    Frame {
-        clip_from_relative: camera.clip_from_relative(aspect).to_cols_array_2d(),
-        eye: camera.eye.as_vec3().to_array(),
-        near: camera.near,
-        forward: camera.forward.to_array(),
-        exposure: settings.exposure,
-        right: right.to_array(),
-        up: up.to_array(),
-        sky,
-        viewport: [width as f32, height as f32, 0.0, 0.0],
-        ..Frame::default()
-    }
+fn depth_attachment(view: &wgpu::TextureView, load: wgpu::LoadOp<f32>) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    let depth_ops = Some(wgpu::Operations { load, store: wgpu::StoreOp::Store });
+    wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None }
 }
 
-/// Which effects a draw calls for.
-fn surface_variant(model: &Model, draw: &Draw) -> Variant {
-    let material = &model.scene.materials[draw.material as usize];
-    Variant::new(Pass::Surface)
-        .with("LIGHTMAP", draw.page.is_some())
-        .with("BASE_TEXTURE", material.base_texture.is_some())
-        .with("EMISSION", material.emits)
-        .with("EMISSION_TEXTURE", material.emits && material.emission_texture.is_some())
-        .with("MASK", material.opacity == Opacity::Mask)
-        .with("BLEND", material.opacity == Opacity::Blend)
+/// Shadow maps of all lights as layers.
+fn shadow_maps(device: &wgpu::Device, side: u32) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("shadow maps"),
+        size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: MOST_MAPS as u32 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Depth32Float,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    })
 }

@@ -1,7 +1,7 @@
 //! From modules in `shaders/` to the text of one shader that holds only what its variant calls for.
 //!
 //! A module's first lines may say `// uses: a, b`; those modules come before it, each once. A line that ends with `// if X`
-//! stays only where effect X is on, one with `// unless X` only where it is off; `A|B` is either, `A&B` both. Each file is thus plain WGSL.
+//! stays only where effect X is on, one with `// unless X` only where it is off; `A|B` is either, `A&B` both, `!A` its absence. Each file is thus plain WGSL.
 //! Shared structs ([`crate::layout`]), constants of the variant and quadrature rules are generated in front.
 
 use std::collections::BTreeSet;
@@ -31,25 +31,36 @@ modules![
     "airlight_vacuum",
     "arithmetic",
     "base_texture",
+    "caster",
     "emission_texture",
     "emitter",
     "exponential_integral",
     "frame",
     "inscatter",
+    "lamps",
+    "lattice",
+    "lattice_inscatter",
     "legendre",
     "lightmap",
+    "lights",
     "medium",
+    "moments",
+    "normal_map",
     "panel",
     "phase",
     "pieces",
     "screen",
     "sh1",
+    "shadow",
+    "shafts",
     "sight",
     "sky",
+    "softened",
     "surface",
     "texture_map",
     "tone",
     "view_ray",
+    "views",
 ];
 
 /// Text of a module. Panics on an unknown name: names come from the modules themselves and from [`Variant`].
@@ -144,6 +155,10 @@ fn keep(line: &'static str, variant: &Variant) -> Option<&'static str> {
 }
 
 fn holds(condition: &str, variant: &Variant) -> bool {
-    let all = |part: &str| part.split('&').all(|name| variant.has(name.trim()));
+    let one = |name: &str| match name.strip_prefix('!') {
+        Some(name) => !variant.has(name),
+        None => variant.has(name),
+    };
+    let all = |part: &str| part.split('&').all(|name| one(name.trim()));
     condition.split('|').any(all)
 }

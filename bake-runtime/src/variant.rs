@@ -7,6 +7,8 @@ use std::collections::BTreeSet;
 pub enum Pass {
     /// Surfaces with their light.
     Surface,
+    /// Their depth as a light sees them.
+    Caster,
     /// What lies behind them.
     Sky,
     /// The air in front of everything opaque.
@@ -53,7 +55,9 @@ impl Variant {
     /// With the effects and sizes of another.
     pub fn and(mut self, other: &Self) -> Self {
         self.effects.extend(&other.effects);
-        self.constants.extend(&other.constants);
+        let new = other.constants.iter().filter(|(name, _)| !self.constants.iter().any(|(known, _)| known == name));
+        let new: Vec<_> = new.copied().collect();
+        self.constants.extend(new);
         self.nodes = self.nodes.max(other.nodes);
         self
     }
@@ -77,6 +81,7 @@ impl Variant {
     pub fn roots(&self) -> Vec<&'static str> {
         match self.pass {
             Pass::Surface => vec!["surface"],
+            Pass::Caster => vec!["caster"],
             Pass::Sky => vec!["sky"],
             Pass::Air => vec!["air"],
             Pass::Tone => vec!["tone"],

@@ -9,6 +9,7 @@ mod harness;
 mod air;
 
 use bake_optics::emitter::spot_cone;
+use bake_optics::harmonics::real_sh;
 use bake_optics::phase::{self, Deflection};
 use bake_optics::special;
 use bake_runtime::variant::{Pass, Variant};
@@ -112,6 +113,31 @@ fn special_cases() -> Vec<Case> {
     ]
 }
 
+/// The lattice's harmonics, four at a time.
+fn harmonic_cases() -> Vec<Case> {
+    let directions = || {
+        (0..64).map(|i| {
+            let (turn, z) = (2.4 * f64::from(i), -1.0 + f64::from(i) / 32.0);
+            let r = (1.0 - z * z).max(0.0).sqrt();
+            [r * turn.cos(), r * turn.sin(), z].map(|x| f64::from(x as f32)).to_vec()
+        })
+    };
+    let case = |first: usize| Case {
+        name: "real_harmonic",
+        roots: &["lattice"],
+        call: format!(
+            "vec4f({})",
+            (first..first + 4).map(|k| format!("real_harmonic({k}u, a.xyz)")).collect::<Vec<_>>().join(", ")
+        ),
+        inputs: directions().collect(),
+        // Absolute: harmonics pass through 0.
+        limit: 1e-6,
+        twin: Box::new(move |row| (real_sh([row[0], row[1], row[2]], 3)[first..first + 4].to_vec(), 1.0)),
+        ..Case::default()
+    };
+    vec![case(0), case(4), case(5)]
+}
+
 fn pairs(a: &[f64], b: &[f64]) -> Vec<Vec<f64>> {
     a.iter().flat_map(|&x| b.iter().map(move |&y| vec![f64::from(x as f32), f64::from(y as f32)])).collect()
 }
@@ -193,7 +219,7 @@ fn phase_cases() -> Vec<Case> {
 #[test]
 fn shader_functions_agree_with_their_twins() {
     let Some(harness) = Harness::open() else { return };
-    let cases = special_cases().into_iter().chain(phase_cases()).chain(air::cases());
+    let cases = special_cases().into_iter().chain(phase_cases()).chain(harmonic_cases()).chain(air::cases());
     let results: Vec<_> = cases.map(|case| harness.compare(&case, |text| text)).collect();
     // Those that hold print first.
     let (held, broken): (Vec<_>, Vec<_>) = results.iter().partition(|worst| worst.holds());
@@ -204,7 +230,8 @@ fn shader_functions_agree_with_their_twins() {
 #[test]
 fn a_constant_changed_on_one_side_only_is_found() {
     let Some(harness) = Harness::open() else { return };
-    let cases: Vec<Case> = special_cases().into_iter().chain(phase_cases()).chain(air::cases()).collect();
+    let cases: Vec<Case> =
+        special_cases().into_iter().chain(phase_cases()).chain(harmonic_cases()).chain(air::cases()).collect();
     for (name, from, to) in [
         ("phi1", "x / 3.0", "x / 3.001"),
         ("lam", "1.0 / 5.0", "1.0 / 5.1"),
@@ -213,6 +240,7 @@ fn a_constant_changed_on_one_side_only_is_found() {
         ("scaled_e1", "0.5772156649", "0.5772"),
         ("henyey_greenstein", "0.0795774715459477", "0.0795"),
         ("rayleigh", "0.75", "0.7501"),
+        ("real_harmonic", "0.488602512 * d.z", "0.4887 * d.z"),
         ("spot_cone", "ramp * ramp", "ramp * ramp * 1.00001"),
         ("quadrature, isotropic", "weight * 2.0 / (1.0", "weight * 2.001 / (1.0"),
         ("vacuum, isotropic", "1.0 / 3.0 - square", "1.0 / 3.01 - square"),

@@ -66,8 +66,11 @@ fn air_plans() -> BTreeSet<(Method, Variant)> {
     for method in Method::ALL {
         for lights in &light_sets {
             for media in &media_sets {
-                let plan = AirPlan::new(AirSettings { method, ..AirSettings::default() }, media, lights);
-                plans.extend(plan.map(|plan| (plan.method, plan.variant)));
+                let settings = AirSettings { method, ..AirSettings::default() };
+                for shadows in [false, true] {
+                    let plan = AirPlan::shadowed(settings, media, lights, shadows);
+                    plans.extend(plan.map(|plan| (plan.method, plan.variant.with("LATTICE_AIR", shadows))));
+                }
             }
         }
     }
@@ -83,6 +86,29 @@ fn surface_variants() -> Vec<Variant> {
     let sensible =
         |v: &Variant| (v.has("EMISSION") || !v.has("EMISSION_TEXTURE")) && (!v.has("MASK") || !v.has("BLEND"));
     (0..1 << effects.len()).map(variant).filter(sensible).collect()
+}
+
+/// Surfaces lit by what was not baked: probes, lamps and suns, with shadows, through air that weakens and softens, and views.
+fn lit_variants() -> Vec<Variant> {
+    let (lights, media) = (lights(), media());
+    let lights: Vec<&LightRecord> = lights.iter().collect();
+    let plain = Variant::new(Pass::Surface).with("LIGHTMAP", true).with("LIGHTS", true).with("SPECULAR", true);
+    let plain = ["LAMPS", "SUNS", "LAMP_CONE", "LAMP_LEGENDRE"].iter().fold(plain, |v, effect| v.with(effect, true));
+    let mut variants = vec![
+        plain.clone(),
+        Variant::new(Pass::Surface).with("PROBES", true),
+        Variant::new(Pass::Surface).with("LIGHTMAP", true).with("SH1", true).with("NORMAL_MAP", true),
+        Variant::new(Pass::Surface).with("LIGHTMAP", true).with("SHOW_PAGE", true).with("SHOW_TEXELS", true),
+        Variant::new(Pass::Surface).with("SHOW_NODES", true),
+    ];
+    for media in [&media[..1], &media[..2], &media[..]] {
+        let plan = AirPlan::new(AirSettings::default(), media, &lights).expect("air");
+        for shadows in [false, true] {
+            let fogged = plain.clone().and(&plan.passage).with("FOGGED", true).with("SOFTENED", plan.softens);
+            variants.push(fogged.with("SHADOWS", shadows));
+        }
+    }
+    variants
 }
 
 #[test]
@@ -103,6 +129,8 @@ fn every_variant_is_valid_wgsl() {
         check(&Variant::new(Pass::Tone).with("FILMIC", filmic).with("ENCODE", encode));
     }
     check(&Variant::new(Pass::Sky));
+    check(&Variant::new(Pass::Caster));
+    lit_variants().iter().for_each(&mut check);
     assert!(count > 100, "{count} variants are not all");
     println!("{count} variants");
 }
@@ -116,8 +144,8 @@ fn a_broken_shader_is_refused() {
 fn every_module_is_in_some_variant() {
     let mut texts: Vec<String> = surface_variants().iter().map(shader::compose).collect();
     texts.extend(air_plans().iter().map(|(_, plan)| shader::compose(plan)));
-    texts.extend([Pass::Tone, Pass::Sky].map(|pass| shader::compose(&Variant::new(pass))));
-    texts.push(shader::compose(&surface_variants()[1].clone().with("SH1", true)));
+    texts.extend([Pass::Tone, Pass::Sky, Pass::Caster].map(|pass| shader::compose(&Variant::new(pass))));
+    texts.extend(lit_variants().iter().map(shader::compose));
     for (name, source) in MODULES {
         let functions = source.lines().filter_map(|line| line.strip_prefix("fn ").or(line.strip_prefix("@group")));
         for line in functions.filter(|line| !line.contains("// if ")) {
@@ -198,7 +226,10 @@ fn an_effect_that_is_off_leaves_no_instruction_and_no_binding() {
         ("LAYERED", "scattering_at"),
         ("QUADRATURE", "airlight_between"),
         ("LUT", "tail_texels"),
-        ("RAY_MARCH", "STEPS)"),
+        ("RAY_MARCH", "f32(STEPS)"),
+        ("SHAFTS", "lamp_airlight_shadowed"),
+        ("LATTICE_AIR", "lattice_texels"),
+        ("SHADOWS", "shadow_map"),
     ];
     let mut seen = BTreeSet::new();
     for (_, plan) in air_plans() {

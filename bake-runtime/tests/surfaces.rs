@@ -3,7 +3,8 @@
 mod common;
 
 use bake_formats::glb::document as gltf;
-use bake_runtime::Settings;
+use bake_runtime::scene::Texture;
+use bake_runtime::{Model, Renderer, Settings};
 use common::{Fixture, front, headless, picture};
 use glam::{Affine3A, Vec2, Vec3};
 use std::f32::consts::PI;
@@ -126,6 +127,55 @@ fn opacity_cuts_and_blends_over_what_lies_behind() {
     close(Vec2::new(-0.5, -0.4), [0.75; 3]);
     close(Vec2::new(0.5, -0.4), [0.25; 3]);
     close(Vec2::new(0.0, 0.4), [0.625, 0.125, 0.125]);
+}
+
+#[test]
+fn a_normal_map_bends_baked_light_where_the_package_has_harmonics() {
+    let Some(headless) = headless() else { return };
+    let mut fixture = Fixture::new([2, 2], [PI; 3]);
+    let constant = |value: f32| vec![[value; 3]; 4];
+    // More light from above (y) and from the front (z): e(n) = 0.886227 + 1.023328 (0.4 n_y + 0.5 n_z).
+    fixture.sh1 = Some(vec![constant(1.0), constant(0.4), constant(0.5), constant(0.0)]);
+    let material = fixture.material(|_| {});
+    let square = fixture.square(material);
+    fixture.place(square, Affine3A::IDENTITY, Vec2::ZERO, Vec2::ONE);
+    let mut scene = fixture.load();
+    let (flat, _) = picture(&headless, scene.clone(), &front(2.0), &plain(), SIZE);
+    assert!((at(&flat, Vec2::ZERO)[0] - 0.5).abs() < 1e-6, "without a map the light is the page's");
+    // The normal (0, 0.6, 0.8): up in the texture is up in the world here.
+    let sampler = gltf::Sampler { mag_filter: 9728, min_filter: 9728, wrap_s: 33071, wrap_t: 33071 };
+    let rgba = [127.5, 127.5 + 0.6 * 127.5, 127.5 + 0.8 * 127.5, 255.0].map(|v: f32| v.round() as u8).to_vec();
+    scene.textures.push(Texture { width: 1, height: 1, rgba: rgba.clone(), sampler, linear: true });
+    scene.materials[0].normal_texture = Some(0);
+    let (bent, _) = picture(&headless, scene, &front(2.0), &plain(), SIZE);
+    let stored = Vec3::new(rgba[0].into(), rgba[1].into(), rgba[2].into()) / 127.5 - 1.0;
+    let e = |n: Vec3| 0.886_227 + 1.023_328 * (0.4 * n.y + 0.5 * n.z);
+    let want = 0.5 * e(stored.normalize()) / e(Vec3::Z);
+    let got = at(&bent, Vec2::ZERO)[0];
+    assert!((got / want - 1.0).abs() < 1e-4, "{got}, not {want}");
+}
+
+#[test]
+fn passes_are_timed_where_the_device_can() {
+    let Some(headless) = headless() else { return };
+    let mut fixture = Fixture::new([2, 2], [PI; 3]);
+    let material = fixture.material(|_| {});
+    let square = fixture.square(material);
+    fixture.place(square, Affine3A::IDENTITY, Vec2::ZERO, Vec2::ONE);
+    let model = Model::new(&headless.device, &headless.queue, fixture.load()).expect("small");
+    let mut renderer = Renderer::new(&headless.device, &headless.queue, wgpu::TextureFormat::Rgba8Unorm);
+    let target = headless.target(SIZE, wgpu::TextureFormat::Rgba8Unorm).create_view(&Default::default());
+    for timed in [false, true] {
+        renderer.draw(&model, &front(2.0), &Settings { timed, ..plain() }, &target, SIZE);
+        let able = headless.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+        let Some(times) = renderer.milliseconds() else {
+            assert!(!timed || !able, "timed in vain");
+            continue;
+        };
+        let times = times.expect("timestamps come back");
+        assert_eq!(times.iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["surfaces", "tone"]);
+        assert!(times.iter().all(|(_, ms)| ms.is_finite() && *ms >= 0.0), "{times:?}");
+    }
 }
 
 #[test]

@@ -3,5 +3,5 @@
 mod options;
 mod screenshot;
 
-pub use options::{CameraArgument, OptionError, Options, SizeArgument};
+pub use options::{AirArgument, CameraArgument, OptionError, Options, SizeArgument, TermsArgument, View, ViewArgument};
 pub use screenshot::{Screenshot, ViewError, screenshot};

@@ -2,7 +2,8 @@
 
 use std::str::FromStr;
 
-use bake_runtime::Camera;
+use bake_formats::Term;
+use bake_runtime::{Camera, Method, Show};
 use glam::DVec3;
 
 /// What is shown, and how.
@@ -14,11 +15,38 @@ pub struct Options {
     pub camera: Option<Camera>,
     /// Stops brighter (+) or darker (−) than the exposure that suits the lightmaps.
     pub exposure_stops: f32,
+    /// How the air is drawn.
+    pub air: Method,
+    /// What is shown.
+    pub show: View,
+    /// Terms of the light that are shown; none: all.
+    pub terms: Option<Vec<Term>>,
+    /// A second way to draw the air, for the right half of the picture.
+    pub compare: Option<Method>,
+}
+
+/// What is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum View {
+    /// Light, or geometry.
+    Show(Show),
+    /// The lightmap's standard error, white at 10 % of the light.
+    Error,
+    /// Baked texels white, filled ones black.
+    Validity,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { size: [1280, 720], camera: None, exposure_stops: 0.0 }
+        Self {
+            size: [1280, 720],
+            camera: None,
+            exposure_stops: 0.0,
+            air: Method::Quadrature,
+            show: View::Show(Show::Light),
+            terms: None,
+            compare: None,
+        }
     }
 }
 
@@ -42,6 +70,55 @@ impl FromStr for SizeArgument {
         let side = |side: &str| side.parse().ok().filter(|side| (1..=16_384).contains(side));
         let parsed = text.split_once('x').and_then(|(w, h)| Some(Self([side(w)?, side(h)?])));
         parsed.ok_or_else(|| OptionError { value: text.into(), expected })
+    }
+}
+
+/// A way to draw the air, by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AirArgument(pub Method);
+
+impl FromStr for AirArgument {
+    type Err = OptionError;
+
+    fn from_str(text: &str) -> Result<Self, OptionError> {
+        let expected = "one of none, vacuum, lut, closed_form, quadrature, ray_march";
+        Method::from_name(text).map(Self).ok_or_else(|| OptionError { value: text.into(), expected })
+    }
+}
+
+/// What is shown, by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ViewArgument(pub View);
+
+impl FromStr for ViewArgument {
+    type Err = OptionError;
+
+    fn from_str(text: &str) -> Result<Self, OptionError> {
+        let expected = "one of light, irradiance, texels, nodes, error, validity";
+        Ok(Self(match text {
+            "light" => View::Show(Show::Light),
+            "irradiance" => View::Show(Show::Irradiance),
+            "texels" => View::Show(Show::Texels),
+            "nodes" => View::Show(Show::Nodes),
+            "error" => View::Error,
+            "validity" => View::Validity,
+            _ => return Err(OptionError { value: text.into(), expected }),
+        }))
+    }
+}
+
+/// Terms of the light, divided by commas.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TermsArgument(pub Vec<Term>);
+
+impl FromStr for TermsArgument {
+    type Err = OptionError;
+
+    fn from_str(text: &str) -> Result<Self, OptionError> {
+        let term = |name: &str| Term::ALL.into_iter().find(|term| term.name() == name.trim());
+        let terms = text.split(',').map(term).collect::<Option<_>>().map(Self);
+        let expected = "a list of terms like direct,single (direct, indirect, single, multiple)";
+        terms.ok_or_else(|| OptionError { value: text.into(), expected })
     }
 }
 
@@ -95,5 +172,9 @@ mod tests {
         for text in ["640", "0x360", "640x", "99999x3"] {
             assert!(text.parse::<SizeArgument>().is_err(), "{text}");
         }
+        for method in Method::ALL {
+            assert_eq!(method.name().parse(), Ok(AirArgument(method)));
+        }
+        assert!("fog".parse::<AirArgument>().is_err() && "fog".parse::<ViewArgument>().is_err());
     }
 }

@@ -4,7 +4,7 @@ use crate::cli::Global;
 use crate::exit::{Failure, Outcome};
 use bake_formats::Package;
 use bake_formats::package::write_atomic;
-use bake_view::{CameraArgument, Options, SizeArgument, ViewError};
+use bake_view::{AirArgument, CameraArgument, Options, SizeArgument, TermsArgument, ViewArgument, ViewError};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -34,6 +34,18 @@ pub struct Args {
     /// Stops brighter (+) or darker (-) than what suits the lightmaps
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_hyphen_values = true)]
     pub exposure: f32,
+    /// How light in the air is found: none, vacuum, lut, closed_form, quadrature or ray_march
+    #[arg(long, value_name = "METHOD", default_value = "quadrature")]
+    pub air: AirArgument,
+    /// Another way for the right half of the picture
+    #[arg(long, value_name = "METHOD")]
+    pub compare: Option<AirArgument>,
+    /// Show only these terms of the light, divided by commas: direct, indirect, single, multiple
+    #[arg(long, value_name = "TERMS")]
+    pub terms: Option<TermsArgument>,
+    /// What is shown: light, irradiance as the lightmap has it, its texels, its error (white: 10 %), its validity, or a colour for each node
+    #[arg(long, value_name = "WHAT", default_value = "light")]
+    pub show: ViewArgument,
 }
 
 /// Draws.
@@ -43,8 +55,15 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
         size: args.size.0,
         camera: args.camera.map(|camera| camera.0),
         exposure_stops: args.exposure.clamp(-64.0, 64.0),
+        air: args.air.0,
+        show: args.show.0,
+        terms: args.terms.clone().map(|terms| terms.0),
+        compare: args.compare.map(|method| method.0),
     };
     let picture = bake_view::screenshot(&package, &options).map_err(failure)?;
+    if !global.quiet {
+        picture.notes.iter().for_each(|note| eprintln!("{note}"));
+    }
     write_atomic(&args.screenshot, |out| out.write_all(&picture.png))?;
     if global.verbose {
         eprintln!("drawn by {}", picture.adapter);

@@ -1,6 +1,6 @@
 //! `bake view`: a picture of what was just baked.
 
-use crate::bake::Desk;
+use crate::bake::{Desk, Ended};
 
 const CAMERA: &str = "--camera 0,1.5,6.2:0,1.5,0:38";
 
@@ -17,10 +17,39 @@ fn a_baked_room_is_drawn_and_the_picture_repeats() {
     ended.expect(0, &[]);
     desk.bake(&format!("view room.bake --screenshot b.png --size 96x64 {CAMERA}")).expect(0, &[]);
     desk.bake(&format!("view room.bake --screenshot dark.png --exposure -3 --size 96x64 {CAMERA}")).expect(0, &[]);
+    let views = [
+        "--terms direct,indirect",
+        "--terms direct",
+        "--show texels",
+        "--show nodes",
+        "--show error",
+        "--show validity",
+    ];
+    for (index, view) in views.iter().enumerate() {
+        let file = format!("view{index}.png");
+        desk.bake(&format!("view room.bake --screenshot {file} {view} --size 96x64 {CAMERA}")).expect(0, &[]);
+    }
     let read = |name: &str| std::fs::read(desk.path(name)).expect("a picture was written");
     assert!(read("a.png").starts_with(b"\x89PNG"));
     assert!(read("a.png") == read("b.png"), "same package, other picture");
     assert!(read("a.png") != read("dark.png"), "three stops make no difference");
+    assert!(read("a.png") == read("view0.png"), "all terms are not the whole");
+    for (index, view) in views.iter().enumerate().skip(1) {
+        assert!(read("a.png") != read(&format!("view{index}.png")), "'{view}' makes no difference");
+    }
+}
+
+#[test]
+fn a_machine_without_any_adapter_is_told_what_to_install() {
+    let desk = Desk::with_room();
+    let baked = desk.bake("-q run room.glb --quality preview --texels-per-m 1 --samples 16");
+    assert!(matches!(baked.code, Some(0 | 3)), "{baked:#?}");
+    let mut command = desk.command("view room.bake --screenshot a.png --size 8x8");
+    // Only Vulkan may be looked for, and it has no driver.
+    command.env("WGPU_BACKEND", "vulkan").env("VK_DRIVER_FILES", "/dev/null").env("VK_ICD_FILENAMES", "/dev/null");
+    let ended = Ended::from(command.output().expect("the program starts"));
+    ended.expect(1, &["no graphics adapter", "libvulkan1"]);
+    assert!(!desk.path("a.png").exists());
 }
 
 #[test]
@@ -29,6 +58,8 @@ fn nonsense_is_refused_with_the_form_that_is_meant() {
     for (arguments, code, words) in [
         ("view nowhere --screenshot a.png", 1, ["nowhere", "cannot read"]),
         ("view room.bake --screenshot a.png --camera 1,2,3", 2, ["'1,2,3'", "EYE:TARGET"]),
+        ("view room.bake --screenshot a.png --terms direct,fog", 2, ["'direct,fog'", "direct, indirect"]),
+        ("view room.bake --screenshot a.png --air fog", 2, ["'fog'", "quadrature"]),
         ("view room.bake --screenshot a.png --size 640", 2, ["'640'", "1280x720"]),
     ] {
         desk.bake(arguments).expect(code, &words);

@@ -1,10 +1,10 @@
 //! The air of one picture: which method, which shader effects, and the buffers that they read.
 
-pub mod records;
+pub(crate) mod records;
 mod upload;
 
-pub(crate) use upload::AirBuffers;
 pub use upload::tail_texels;
+pub(crate) use upload::{AirBuffers, Sources, surface_texels};
 
 use bake_formats::manifest::{LightKind, LightRecord};
 use bake_optics::medium::{Bounds, Density, Medium};
@@ -63,11 +63,16 @@ pub struct AirSettings {
     pub nodes: u32,
     /// Steps of [`Method::RayMarch`], 1 to 4096.
     pub steps: u32,
+    /// Places along a ray where a shadow map is asked, 1 to 1024; borders between them are then found by bisection.
+    pub shaft_steps: u32,
+    /// Distance of the sky, metres, in air without end: it glows as it does through this much of the air (Sun et al. 2005,
+    /// section 6). None: the sky is seen through the media's own extent.
+    pub sky_distance_m: Option<u32>,
 }
 
 impl Default for AirSettings {
     fn default() -> Self {
-        Self { method: Method::Quadrature, nodes: 0, steps: 32 }
+        Self { method: Method::Quadrature, nodes: 0, steps: 32, shaft_steps: 32, sky_distance_m: None }
     }
 }
 
@@ -80,7 +85,14 @@ pub struct AirPlan {
     pub variant: Variant,
     /// Why another method is used than was asked for.
     pub note: Option<&'static str>,
+    /// Effects and sizes that surfaces need for light on its way through the air.
+    pub passage: Variant,
+    /// Whether lamps reach surfaces by way of the air too: known for uniform air.
+    pub softens: bool,
 }
+
+/// Midpoints along a ray for light stored in a lattice.
+const LATTICE_STEPS: u32 = 24;
 
 /// Legendre orders of the table's phase functions.
 pub const LUT_ORDERS: u32 = 3;
@@ -88,6 +100,11 @@ pub const LUT_ORDERS: u32 = 3;
 impl AirPlan {
     /// What media and lights call for as seen from `eye`; `None` where there is no air, or it is switched off.
     pub fn new(settings: AirSettings, media: &[Medium], lights: &[&LightRecord]) -> Option<Self> {
+        Self::shadowed(settings, media, lights, false)
+    }
+
+    /// The same where lights have shadow maps.
+    pub fn shadowed(settings: AirSettings, media: &[Medium], lights: &[&LightRecord], shadows: bool) -> Option<Self> {
         let media = &media[..media.len().min(MOST_MEDIA)];
         if media.is_empty() || settings.method == Method::None {
             return None;
@@ -99,11 +116,22 @@ impl AirPlan {
             .constant("CUTS", 6 + 2 * media.len() as u32 + if layered { 3 * media.len() as u32 } else { 3 })
             .constant("STEPS", settings.steps.clamp(1, 4096))
             .constant("ORDERS", LUT_ORDERS)
+            .constant("SHAFT_STEPS", settings.shaft_steps.clamp(1, 1024))
+            .constant("LATTICE_STEPS", LATTICE_STEPS)
             .quadrature(if settings.nodes == 0 { default_nodes(media, layered) } else { settings.nodes.clamp(1, 64) });
         let variant = [media_effects(media), light_effects(lights)].into_iter().flatten();
         let variant = variant.fold(sizes, |variant, (effect, on)| variant.with(effect, on));
-        let variant = variant.with("LAYERED", layered).with(method_effect(method), true);
-        Some(Self { method, variant, note })
+        // The other methods know no interval of a ray but the whole.
+        let by_interval = matches!(method, Method::Quadrature | Method::RayMarch) && !lights.is_empty();
+        let shadows = shadows && (by_interval || variant.has("SUNS"));
+        let variant = variant
+            .with("LAYERED", layered)
+            .with(method_effect(method), true)
+            .with("SHADOWS", shadows)
+            .with("SHAFTS", shadows && method == Method::Quadrature);
+        let passage = Variant::new(Pass::Surface).constant("MEDIA", media.len() as u32);
+        let passage = media_effects(media).into_iter().fold(passage, |v, (effect, on)| v.with(effect, on));
+        Some(Self { method, variant, note, passage, softens: !layered && method != Method::Vacuum })
     }
 }
 
@@ -172,7 +200,7 @@ fn media_effects(media: &[Medium]) -> Vec<(&'static str, bool)> {
     ]
 }
 
-fn light_effects(lights: &[&LightRecord]) -> Vec<(&'static str, bool)> {
+pub(crate) fn light_effects(lights: &[&LightRecord]) -> Vec<(&'static str, bool)> {
     let any = |test: fn(&LightKind) -> bool| lights.iter().any(|light| test(&light.kind));
     vec![
         ("LAMPS", any(|kind| !matches!(kind, LightKind::Directional { .. }))),

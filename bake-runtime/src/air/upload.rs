@@ -4,14 +4,16 @@ use bake_formats::manifest::{LightKind, LightRecord, ProfileRecord};
 use bake_optics::airlight::Lut;
 use bake_optics::medium::{self, Bounds, Density};
 use bake_optics::phase::Phase;
+use bake_optics::surface::SurfaceTable;
 use glam::{DVec3, Vec3};
 use wgpu::util::DeviceExt;
 
 use super::LUT_ORDERS;
-use crate::layout::{Lamp, MOST_MEDIA, Medium, NO_SHADOW, Sun};
+use crate::layout::{Lamp, MOST_MEDIA, Medium, NO_SHADOW, ShadowView, Sun};
+use crate::shadows;
 
-/// Largest coefficient, 1/m: beyond it squares of depths overflow.
-const DENSEST: f64 = 1e12;
+/// Largest coefficient, 1/m: light passes a micrometre. Beyond it products of lamp, air and lobe overflow.
+const DENSEST: f64 = 1e6;
 
 /// Side of the table of tails.
 const LUT_SIZE: usize = 256;
@@ -24,8 +26,22 @@ pub(crate) struct AirBuffers {
     pub suns: wgpu::Buffer,
     pub coefficients: wgpu::Buffer,
     pub moments: wgpu::Buffer,
+    pub shadow_views: wgpu::Buffer,
+    /// The same, for drawing the maps; empty without shadows.
+    pub views: Vec<ShadowView>,
     /// Number of lamps and suns.
     pub counts: [u32; 2],
+}
+
+/// What a picture's lights and air are packed from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sources<'a> {
+    pub media: &'a [medium::Medium],
+    pub baked: &'a [LightRecord],
+    pub dynamic: &'a [LightRecord],
+    pub eye: DVec3,
+    /// Box around everything that casts shadows; none without shadows.
+    pub shadowed: Option<[Vec3; 2]>,
 }
 
 /// Lights and media in the shader's form.
@@ -38,19 +54,17 @@ struct Packed {
 }
 
 impl AirBuffers {
-    /// `baked` and `dynamic` lights and `media` as seen from `eye`.
-    pub fn new(
-        device: &wgpu::Device,
-        media: &[medium::Medium],
-        baked: &[LightRecord],
-        dynamic: &[LightRecord],
-        eye: DVec3,
-    ) -> Self {
+    /// Lights and media as seen from the eye.
+    pub fn new(device: &wgpu::Device, sources: Sources) -> Self {
+        let Sources { media, baked, dynamic, eye, shadowed } = sources;
         let mut packed = Packed::default();
         let media = &media[..media.len().min(MOST_MEDIA)];
         media.iter().for_each(|medium| packed.medium(medium, eye));
         baked.iter().for_each(|light| packed.light(light, eye, false));
         dynamic.iter().for_each(|light| packed.light(light, eye, true));
+        let relative = |place: Vec3| (place.as_dvec3() - eye).as_vec3();
+        let views = shadowed.map(|bounds| shadows::assign(&mut packed.lamps, &mut packed.suns, bounds.map(relative)));
+        let views = views.unwrap_or_default();
         let moments: Vec<f32> =
             media.iter().flat_map(|m| (0..LUT_ORDERS).map(|l| m.phase.moment(l as usize) as f32)).collect();
         let counts = [packed.lamps.len() as u32, packed.suns.len() as u32];
@@ -65,6 +79,8 @@ impl AirBuffers {
             suns: buffer("suns", bytemuck::cast_slice(&packed.suns), storage),
             coefficients: buffer("coefficients", bytemuck::cast_slice(&packed.coefficients), storage),
             moments: buffer("moments", bytemuck::cast_slice(&moments), storage),
+            shadow_views: buffer("shadow_views", bytemuck::cast_slice(&views), storage),
+            views,
             counts,
         }
     }
@@ -156,7 +172,21 @@ impl Packed {
 /// The tables of [`super::Method::Lut`] as layers of a texture, for shaders of one's own too.
 pub fn tail_texels(device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::TextureView {
     let table = Lut::new(LUT_SIZE, LUT_ORDERS as usize);
-    let layers: Vec<Vec<[f32; 3]>> =
-        table.layers().iter().map(|layer| layer.iter().map(|&value| [value; 3]).collect()).collect();
+    let layers: Vec<Vec<[f32; 4]>> =
+        table.layers().iter().map(|layer| layer.iter().map(|&value| [value; 4]).collect()).collect();
     crate::model::upload_texels(device, queue, [LUT_SIZE as u32; 2], &layers, true)
+}
+
+/// Side of the tables of light that air sends to surfaces.
+const SURFACE_SIZE: usize = 48;
+
+/// Tables of G_n as layers of a texture: the Lambertian one, then one for each Phong exponent.
+pub(crate) fn surface_texels(device: &wgpu::Device, queue: &wgpu::Queue, exponents: &[f32]) -> wgpu::TextureView {
+    let powers = std::iter::once(1.0).chain(exponents.iter().map(|&n| f64::from(n)));
+    let layer = |power: f64| {
+        let table = SurfaceTable::new(SURFACE_SIZE, power);
+        table.texels().iter().map(|&value| [value; 4]).collect()
+    };
+    let layers: Vec<Vec<[f32; 4]>> = powers.map(layer).collect();
+    crate::model::upload_texels(device, queue, [SURFACE_SIZE as u32; 2], &layers, true)
 }

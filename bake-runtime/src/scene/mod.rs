@@ -1,12 +1,15 @@
 //! What a package holds, in the shape that a device takes: one vertex and one index list, placements grouped by shape.
 
+mod images;
+
+pub use images::{LatticeData, Page, PageContent};
+
 use std::collections::BTreeMap;
 
+use bake_formats::Package;
 use bake_formats::baked_scene::{BakedScene, Geometry, Node};
-use bake_formats::float_image::FloatImage;
 use bake_formats::glb::document as gltf;
 use bake_formats::manifest::{EnvironmentRecord, LightRecord};
-use bake_formats::{Manifest, Package};
 use bake_optics::medium::Medium;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -42,6 +45,8 @@ pub struct Texture {
     pub rgba: Vec<u8>,
     /// How it is sampled.
     pub sampler: gltf::Sampler,
+    /// Whether it holds numbers (normals) instead of sRGB colours.
+    pub linear: bool,
 }
 
 /// How opacity is treated.
@@ -64,10 +69,14 @@ pub struct Material {
     pub base_texture: Option<u32>,
     /// Index of the emission texture.
     pub emission_texture: Option<u32>,
+    /// Index of the texture that bends normals; baked scenes name none, a host may.
+    pub normal_texture: Option<u32>,
     /// Whether it emits at all.
     pub emits: bool,
     /// How opacity is treated.
     pub opacity: Opacity,
+    /// Whether it shows a highlight of lights that were not baked.
+    pub shines: bool,
     /// Whether its back is seen.
     pub double_sided: bool,
 }
@@ -87,19 +96,6 @@ pub struct Draw {
     pub mirrored: bool,
     /// Middle of the placements' boxes, metres: the depth order of blended draws.
     pub centre: Vec3,
-}
-
-/// A lightmap page.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Page {
-    /// Texels across.
-    pub width: u32,
-    /// Texels down.
-    pub height: u32,
-    /// Irradiance, lux.
-    pub irradiance: Vec<[f32; 3]>,
-    /// Harmonics l ≤ 1 of incident radiance, four lists.
-    pub sh1: Option<Vec<Vec<[f32; 3]>>>,
 }
 
 /// A package ready for a device.
@@ -125,8 +121,12 @@ pub struct SceneData {
     pub lights: Vec<LightRecord>,
     /// Lights that were not baked: they shine on surfaces and air alike, and may change from picture to picture.
     pub dynamic_lights: Vec<LightRecord>,
+    /// Light stored in space by the bake.
+    pub probes: Option<LatticeData>,
     /// The air, places in the world; may change from picture to picture.
     pub media: Vec<Medium>,
+    /// What of the package is not drawn, in words.
+    pub notes: Vec<String>,
     /// Light from infinitely far away.
     pub environment: Option<EnvironmentRecord>,
     /// Box around everything, metres.
@@ -141,13 +141,14 @@ impl SceneData {
         let mut scene = Self {
             textures: decode_textures(&file, &baked)?,
             materials: baked.materials.iter().map(material).collect(),
-            pages: read_pages(package)?,
+            pages: images::read_pages(package)?,
             lights: package.manifest.lights.clone(),
             environment: package.manifest.environment.clone(),
             ..Self::default()
         };
         scene.place(&baked);
-        scene.media = records::media(&package.manifest.media, scene.bounds)?;
+        scene.probes = package.manifest.probes.as_ref().map(|grid| images::read_probes(package, grid)).transpose()?;
+        (scene.media, scene.notes) = records::media(package)?;
         Ok(scene)
     }
 
@@ -262,15 +263,25 @@ fn material(source: &gltf::Material) -> Material {
         base_v,
         emission_u,
         emission_v,
+        exponent: phong_exponent(pbr.roughness_factor),
+        ..Surface::default()
     };
     Material {
         surface,
         base_texture: pbr.base_color_texture.as_ref().map(|info| info.index),
         emission_texture: source.emissive_texture.as_ref().map(|info| info.index),
+        normal_texture: None,
         emits: emission.max_element() > 0.0,
         opacity,
+        shines: pbr.roughness_factor < 1.0,
         double_sided: source.double_sided,
     }
+}
+
+/// The Phong lobe as wide as a microfacet one of the roughness: 2/α² − 2 with α = roughness² (Walter et al. 2007, eq. 35 ff.).
+fn phong_exponent(roughness: f32) -> f32 {
+    let alpha = (roughness * roughness).clamp(0.02, 1.0);
+    2.0 / (alpha * alpha) - 2.0
 }
 
 /// Rows of translation · rotation · scale (KHR_texture_transform); w of the first is the coordinate set.
@@ -291,33 +302,7 @@ fn decode_textures(file: &str, baked: &BakedScene) -> Result<Vec<Texture>> {
             image.map_err(|error| RuntimeError::Texture { file: file.into(), index, reason: error.to_string() })?;
         let rgba = image.into_rgba8();
         let (width, height) = rgba.dimensions();
-        Ok(Texture { width, height, rgba: rgba.into_raw(), sampler: texture.sampler.clone() })
+        Ok(Texture { width, height, rgba: rgba.into_raw(), sampler: texture.sampler.clone(), linear: false })
     };
     baked.textures.iter().enumerate().map(decode).collect()
-}
-
-fn read_pages(package: &Package) -> Result<Vec<Page>> {
-    let manifest: &Manifest = &package.manifest;
-    manifest
-        .pages
-        .iter()
-        .map(|record| {
-            let image = package.image(&record.lightmap)?;
-            let sh1 = record.sh1.as_ref().map(|file| -> Result<_> {
-                let image = package.image(file)?;
-                (0..4).map(|index| rgb(&image, file, &format!("c{index}"))).collect::<Result<Vec<_>>>()
-            });
-            let irradiance = rgb(&image, &record.lightmap, "")?;
-            Ok(Page { width: image.width, height: image.height, irradiance, sh1: sh1.transpose()? })
-        })
-        .collect()
-}
-
-/// The three channels of a prefix.
-pub(crate) fn rgb(image: &FloatImage, file: &str, prefix: &str) -> Result<Vec<[f32; 3]>> {
-    image.rgb(prefix).ok_or_else(|| RuntimeError::Record {
-        field: format!("{file}: channels"),
-        value: image.channels.iter().map(|channel| channel.name.as_str()).collect::<Vec<_>>().join(" "),
-        expected: format!("it must hold {prefix}.R, G and B; bake again"),
-    })
 }
