@@ -80,7 +80,7 @@ pub struct SettingsFlags {
     /// Unlit materials: black (only block light), reflect, emit=CD_PER_M2 [default: black]
     #[arg(hide = true, long, value_name = "HOW", help_heading = "Light", value_parser = values::unlit)]
     unlit: Option<Unlit>,
-    /// How light in the air is solved: auto, walk, grid [default: auto]
+    /// How light in the air is solved: auto, walk, grid, tables [default: auto]
     #[arg(long, value_name = "MODE", help_heading = "Air", value_parser = one_of(Mode::ALL), hide_possible_values = true)]
     pub mode: Option<Mode>,
     /// Air: sigma_t=0.5,albedo=0.9[,g=0.3,bounds=x0:y0:z0:x1:y1:z1], channels as 0.5/0.4/0.3; none

@@ -31,6 +31,10 @@ impl Choice {
             }
             settings::Mode::Walk => because(Mode::Walk, "as set".into()),
             settings::Mode::Grid => because(Mode::Grid, "as set".into()),
+            settings::Mode::Tables if settings.sh1 => {
+                because(Mode::Grid, "tables are set, but hold no directions for sh1".into())
+            }
+            settings::Mode::Tables => because(Mode::Tables, "as set".into()),
             settings::Mode::Auto => Self::automatic(scene, air),
         }
     }

@@ -195,11 +195,14 @@ pub enum Mode {
     Walk,
     /// A grid of light in the air, looked up along paths over surfaces.
     Grid,
+    /// Tables of an infinite medium, looked up along paths over surfaces and brought to the scene by factors.
+    Tables,
 }
 
 impl Mode {
     /// All, by the name of their flag value.
-    pub const ALL: [(&str, Self); 3] = [("auto", Self::Auto), ("walk", Self::Walk), ("grid", Self::Grid)];
+    pub const ALL: [(&str, Self); 4] =
+        [("auto", Self::Auto), ("walk", Self::Walk), ("grid", Self::Grid), ("tables", Self::Tables)];
 }
 
 /// A sun: parallel light but for its disk.

@@ -32,7 +32,7 @@ Bake(
     bake_instanced: false,  // GPU-instanced meshes take lightmaps too
 
     // Air
-    mode: Auto,             // how light in the air is solved: Walk (unbiased, slow), Grid (fast); Auto: the plan chooses
+    mode: Auto,             // how light in the air is solved: Walk (unbiased, slow), Grid (fast), Tables (fastest in rooms); Auto: the plan chooses
     media: None,            // [Medium(bounds: Scene, scatter: Look(mean_free_path_m: 20, albedo: (0.9, 0.9, 0.9)), phase: HenyeyGreenstein(0.3))]
     probes: None,           // Probes(spacing_m: 1.0)
 

@@ -55,6 +55,9 @@ pub trait Media: Sync {
     /// Whether [`Media::cached`] knows the light in the air; paths then do not turn there.
     const CACHED: bool = false;
 
+    /// Whether directions are drawn half by cosine, half uniformly, at every vertex.
+    const MIXED: bool = false;
+
     /// Share of light that passes the leg, per channel.
     fn transmittance(&self, leg: &Leg) -> Vec3;
 
@@ -253,7 +256,7 @@ impl Leg {
         self.origin + self.dir * distance.min(self.length * (1.0 - 4.0 * f32::EPSILON))
     }
 
-    fn ray(&self) -> medium::Ray {
+    pub(super) fn ray(&self) -> medium::Ray {
         medium::Ray::from_single(self.origin, self.dir, self.length)
     }
 }

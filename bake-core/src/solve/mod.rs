@@ -12,6 +12,7 @@ pub mod media;
 pub mod path;
 pub mod sampler;
 pub mod sphere;
+pub mod tables;
 pub mod texels;
 pub mod warp;
 
@@ -24,9 +25,11 @@ use emitters::Emitters;
 use glam::Vec3;
 use grid::{GridSettings, LightGrid, Lit};
 use media::{Fog, Media, Vacuum};
-use path::{Counters, Gathered, Paths};
+use path::{Counters, Gather, Gathered, Paths};
 use rayon::prelude::*;
 use sampler::{MAX_SAMPLES, Sampler, hash};
+use tables::TablePaths;
+use tables::medium::Tabled;
 use texels::Start;
 
 /// Luminance of linear Rec.709.
@@ -37,6 +40,8 @@ pub const REPLICATES: usize = 8;
 
 /// Of the light grid, beside those of pages.
 const GRID_SEED: u32 = 0x6772_6964;
+/// Tells the random numbers of the tables\' factors from those of pages.
+const FACTORS_SEED: u32 = 0x7461_626c;
 
 /// Texels that one task solves.
 const TEXELS_PER_TASK: usize = 64;
@@ -70,6 +75,9 @@ pub enum Mode {
     Walk,
     /// Paths over surfaces alone, which look the light in the air up in a grid.
     Grid,
+    /// Paths over surfaces alone, which look up what the air scatters in tables of an infinite medium, brought to the scene
+    /// by factors. Gathers no harmonics.
+    Tables,
 }
 
 impl Default for LightmapSettings {
@@ -93,6 +101,7 @@ impl Mode {
         match self {
             Self::Walk => "walk",
             Self::Grid => "grid",
+            Self::Tables => "tables",
         }
     }
 }
@@ -159,6 +168,7 @@ pub fn lightmap(
             let grid = LightGrid::solve(&paths, settings.grid, seed, &mut counts, progress)?;
             pages(tracer, &Lit::new(fog, &grid, tracer), atlas, settings, progress)?
         }
+        Mode::Tables if fog.scatters => by_tables(tracer, media, atlas, settings, progress)?,
         _ => pages(tracer, &fog, atlas, settings, progress)?,
     };
     lightmap.rays += counts[0];
@@ -177,23 +187,50 @@ fn pages<M: Media>(
     let emitters = Emitters::new(tracer);
     let bounces = settings.bounces.unwrap_or(u32::MAX);
     let paths = Paths { tracer, emitters: &emitters, media, bounces, sh1: settings.sh1 };
+    solve_pages(&paths, atlas, settings, progress)
+}
+
+fn by_tables(
+    tracer: &Tracer,
+    media: &MediumSet,
+    atlas: &Atlas,
+    settings: &LightmapSettings,
+    progress: &dyn Progress,
+) -> Result<Lightmap, Interrupted> {
+    progress.stage("measure factors", 1);
+    let (emitters, reduced) = (Emitters::new(tracer), tables::medium::reduce(media));
+    let tabled = Tabled::new(&reduced);
+    let bounces = settings.bounces.unwrap_or(u32::MAX);
+    let paths = Paths { tracer, emitters: &emitters, media: &tabled, bounces, sh1: false };
+    let paths = TablePaths::new(paths, tables::factors::Effort::default(), hash(settings.seed, FACTORS_SEED));
+    progress.advance(1);
+    solve_pages(&paths, atlas, settings, progress)
+}
+
+/// Solves every page with one way to gather light.
+fn solve_pages<G: Gather>(
+    paths: &G,
+    atlas: &Atlas,
+    settings: &LightmapSettings,
+    progress: &dyn Progress,
+) -> Result<Lightmap, Interrupted> {
     let mut lightmap = Lightmap { pages: vec![], reports: vec![], rays: 0, shadow_rays: 0, cut_paths: 0 };
     for (index, page) in atlas.pages.iter().enumerate() {
-        let solver = PageSolver { paths: &paths, page, settings, progress, seed: hash(settings.seed, index as u32) };
+        let solver = PageSolver { paths, page, settings, progress, seed: hash(settings.seed, index as u32) };
         solver.solve(&mut lightmap)?;
     }
     Ok(lightmap)
 }
 
-struct PageSolver<'a, 's, M> {
-    paths: &'a Paths<'a, 's, M>,
+struct PageSolver<'a, G> {
+    paths: &'a G,
     page: &'a Page,
     settings: &'a LightmapSettings,
     progress: &'a dyn Progress,
     seed: u32,
 }
 
-impl<M: Media> PageSolver<'_, '_, M> {
+impl<G: Gather> PageSolver<'_, G> {
     fn solve(&self, lightmap: &mut Lightmap) -> Result<(), Interrupted> {
         let starts = self.starts()?;
         let mut estimates = vec![Estimate::default(); starts.len()];
@@ -221,7 +258,8 @@ impl<M: Media> PageSolver<'_, '_, M> {
             .texels
             .par_chunks(TEXELS_PER_TASK)
             .map(|texels| {
-                let found: Vec<_> = texels.iter().map(|texel| texels::starts(self.paths, self.page, texel)).collect();
+                let found: Vec<_> =
+                    texels.iter().map(|texel| texels::starts(self.paths.tracer(), self.page, texel)).collect();
                 self.finish_task(texels.len() as u64)?;
                 Ok(found)
             })
@@ -291,7 +329,7 @@ impl<M: Media> PageSolver<'_, '_, M> {
         let mut buffers = PageBuffers {
             width: self.page.width,
             height: self.page.height,
-            terms: M::TERMS.iter().map(|&term| TermImage { term, irradiance: vec![Vec3::ZERO; size] }).collect(),
+            terms: G::TERMS.iter().map(|&term| TermImage { term, irradiance: vec![Vec3::ZERO; size] }).collect(),
             variance: vec![Vec3::ZERO; size],
             samples: vec![0; size],
             validity: vec![Validity::Empty; size],
@@ -325,9 +363,9 @@ impl Default for Estimate {
 
 impl Estimate {
     /// Takes a range of samples of every replicate; `samples.start` of each were taken before.
-    fn add<M: Media>(
+    fn add<G: Gather>(
         &mut self,
-        paths: &Paths<M>,
+        paths: &G,
         starts: &[Start],
         seed: u32,
         samples: std::ops::Range<u32>,

@@ -46,6 +46,18 @@ pub struct Gathered {
     pub sh1: [Vec3; 4],
 }
 
+/// Estimates the light that arrives at a point of a surface.
+pub trait Gather: Sync {
+    /// The terms into which light falls.
+    const TERMS: &'static [Term];
+
+    /// The scene.
+    fn tracer(&self) -> &Tracer<'_>;
+
+    /// One sample.
+    fn gather(&self, start: &Vertex, sampler: &mut Sampler, counters: &Counters) -> Gathered;
+}
+
 /// Rare and countable things that happened on the way.
 #[derive(Debug, Clone, Default)]
 pub struct Counters {
@@ -80,10 +92,10 @@ pub struct Paths<'a, 's, M> {
 
 /// What a ray arrives at.
 pub(super) struct Arrival {
-    hit: Option<(Hit, Place, Surface)>,
+    pub(super) hit: Option<(Hit, Place, Surface)>,
     pub(super) distance: f32,
     /// What the surfaces crossed on the way let through.
-    passed: Vec3,
+    pub(super) passed: Vec3,
     /// The same up to each crossing, with its distance; kept where there is air.
     crossings: Vec<(f32, Vec3)>,
 }
@@ -114,6 +126,27 @@ impl LastLeg {
     fn meet_surface(&mut self) {
         let reflected = if self.collisions == 0 { Term::Indirect as usize } else { self.of_emitter() };
         self.surface.get_or_insert(Term::ALL[reflected]);
+    }
+}
+
+impl Vertex {
+    /// The vertex at a point of a triangle, on its front (`side` = 1) or back (−1).
+    pub fn on(tracer: &Tracer, (instance, triangle, at): (u32, u32, glam::Vec2), place: &Place, side: f32) -> Self {
+        let normal_geom = place.normal_geom * side;
+        let shading = tracer.shading_normal(instance, triangle, at, place.normal_geom) * side;
+        Self { origin: place.point.offset_along(normal_geom), normal_geom, normal_shading: shading }
+    }
+}
+
+impl<M: Media> Gather for Paths<'_, '_, M> {
+    const TERMS: &'static [Term] = M::TERMS;
+
+    fn tracer(&self) -> &Tracer<'_> {
+        self.tracer
+    }
+
+    fn gather(&self, start: &Vertex, sampler: &mut Sampler, counters: &Counters) -> Gathered {
+        Paths::gather(self, start, sampler, counters)
     }
 }
 
@@ -229,8 +262,8 @@ impl<M: Media> Paths<'_, '_, M> {
     }
 
     /// Direction at the first vertex with its density.
-    fn first_direction(&self, start: &Vertex, u: f32, v: f32) -> (Vec3, f32) {
-        if !self.sh1 {
+    pub(super) fn first_direction(&self, start: &Vertex, u: f32, v: f32) -> (Vec3, f32) {
+        if !self.sh1 && !M::MIXED {
             let dir = warp::about(start.normal_shading, warp::cosine_hemisphere(u, v));
             return (dir, warp::cosine_pdf(dir.dot(start.normal_shading)));
         }
@@ -242,7 +275,7 @@ impl<M: Media> Paths<'_, '_, M> {
     }
 
     /// Radiance that the arrival emits towards `dir`'s origin, weighed against the draws made at `vertex`.
-    fn emitted(&self, vertex: &Vertex, dir: Vec3, pdf: f32, draws: f32, arrival: &Arrival) -> Vec3 {
+    pub(super) fn emitted(&self, vertex: &Vertex, dir: Vec3, pdf: f32, draws: f32, arrival: &Arrival) -> Vec3 {
         match &arrival.hit {
             None => {
                 let radiance = self.emitters.environment(dir);
@@ -262,7 +295,7 @@ impl<M: Media> Paths<'_, '_, M> {
 
     /// One draw of a strategy made with probability `draws`: irradiance on a surface perpendicular to the way, the
     /// direction, and the cosine at the vertex.
-    fn draw(
+    pub(super) fn draw(
         &self,
         strategy: Strategy,
         draws: f32,
@@ -296,7 +329,7 @@ impl<M: Media> Paths<'_, '_, M> {
     /// Density with which the other strategy would have followed a direction at `cos` from the normal.
     fn direction_pdf(&self, cos: f32, is_later_vertex: bool) -> f32 {
         let cosine = warp::cosine_pdf(cos);
-        if self.sh1 && !is_later_vertex { 0.5 * cosine + 0.5 / TAU } else { cosine }
+        if M::MIXED || (self.sh1 && !is_later_vertex) { 0.5 * cosine + 0.5 / TAU } else { cosine }
     }
 
     /// Straight on to the next surface that does not let the ray through.
@@ -337,7 +370,7 @@ impl<M: Media> Paths<'_, '_, M> {
 
     /// The vertex on the side from which reflected (or diffusely transmitted) light comes, and albedo over the
     /// probability of that side.
-    fn scatter(&self, hit: &Hit, place: &Place, surface: &Surface, lobe: f32) -> Option<(Vertex, Vec3)> {
+    pub(super) fn scatter(&self, hit: &Hit, place: &Place, surface: &Surface, lobe: f32) -> Option<(Vertex, Vec3)> {
         let (reflect, transmit) = (surface.reflect.max_element(), surface.transmit.max_element());
         if reflect + transmit <= 0.0 {
             return None;
@@ -351,9 +384,7 @@ impl<M: Media> Paths<'_, '_, M> {
 
     /// The vertex at a surface point, on its front (`side` = 1) or back (−1).
     pub fn vertex(&self, instance: u32, triangle: u32, barycentric: glam::Vec2, place: &Place, side: f32) -> Vertex {
-        let normal_geom = place.normal_geom * side;
-        let shading = self.tracer.shading_normal(instance, triangle, barycentric, place.normal_geom) * side;
-        Vertex { origin: place.point.offset_along(normal_geom), normal_geom, normal_shading: shading }
+        Vertex::on(self.tracer, (instance, triangle, barycentric), place, side)
     }
 
     /// What the air leaves of light along a shadow ray with unit direction `dir`.

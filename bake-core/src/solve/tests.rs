@@ -2,6 +2,7 @@
 
 mod air_laws;
 mod fog;
+mod tables;
 
 use super::*;
 use crate::progress::Silent;

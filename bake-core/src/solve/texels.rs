@@ -4,8 +4,7 @@
 //! one lies on the other side of a wall. Neither is used, so that no light passes through closed walls, and
 //! a texel without any good point is buried.
 
-use super::media::Media;
-use super::path::{Paths, Vertex};
+use super::path::Vertex;
 use super::sampler::hash;
 use super::warp;
 use crate::atlas::{Page, SurfacePoint, Texel};
@@ -27,16 +26,16 @@ pub struct Start {
 }
 
 /// The usable points of a texel; empty when it is buried.
-pub fn starts<M: Media>(paths: &Paths<M>, page: &Page, texel: &Texel) -> Vec<Start> {
+pub fn starts(tracer: &Tracer, page: &Page, texel: &Texel) -> Vec<Start> {
     let seed = hash(u32::from(texel.x), u32::from(texel.y));
     let points = page.points_of(texel).iter().enumerate();
     let mut good: Vec<(Vertex, f32)> = points
-        .map(|(index, point)| (index as u32, vertex_at(paths, point), point.weight))
-        .filter(|(index, vertex, _)| !is_buried(paths, vertex, hash(seed, *index)))
+        .map(|(index, point)| (index as u32, vertex_at(tracer, point), point.weight))
+        .filter(|(index, vertex, _)| !is_buried(tracer, vertex, hash(seed, *index)))
         .map(|(_, vertex, weight)| (vertex, weight))
         .collect();
     if let Some(middle) = middle(&good) {
-        good.retain(|(vertex, _)| sees(paths, &middle, vertex));
+        good.retain(|(vertex, _)| sees(tracer, &middle, vertex));
     }
     let total: f32 = good.iter().map(|(_, weight)| weight).sum();
     let mut sum = 0.0;
@@ -62,32 +61,32 @@ pub fn pick(starts: &[Start], u: f32) -> &Vertex {
     &starts[index].vertex
 }
 
-fn vertex_at<M: Media>(paths: &Paths<M>, point: &SurfacePoint) -> Vertex {
+fn vertex_at(tracer: &Tracer, point: &SurfacePoint) -> Vertex {
     let SurfacePoint { instance, triangle, barycentric, .. } = *point;
-    let place = paths.tracer.place(instance, triangle, barycentric);
-    paths.vertex(instance, triangle, barycentric, &place, 1.0)
+    let place = tracer.place(instance, triangle, barycentric);
+    Vertex::on(tracer, (instance, triangle, barycentric), &place, 1.0)
 }
 
 /// Whether the way between two points of a texel is free. Points are lifted by a share of their distance, so that
 /// the texel's own curvature does not stand between them.
-fn sees<M: Media>(paths: &Paths<M>, a: &Vertex, b: &Vertex) -> bool {
+fn sees(tracer: &Tracer, a: &Vertex, b: &Vertex) -> bool {
     let lift = 0.25 * a.origin.distance(b.origin);
     let (from, to) = (a.origin + lift * a.normal_geom, b.origin + lift * b.normal_geom);
     let free = |origin: Vec3, end: Vec3| {
         let dir = end - origin;
-        dir == Vec3::ZERO || paths.tracer.transmittance(&Ray { origin, dir, t_max: 1.0 }) != Vec3::ZERO
+        dir == Vec3::ZERO || tracer.transmittance(&Ray { origin, dir, t_max: 1.0 }) != Vec3::ZERO
     };
     free(a.origin, from) && free(from, to) && free(to, b.origin)
 }
 
 /// Whether most rays from a point meet the back of single-sided surfaces.
-fn is_buried<M: Media>(paths: &Paths<M>, vertex: &Vertex, seed: u32) -> bool {
+fn is_buried(tracer: &Tracer, vertex: &Vertex, seed: u32) -> bool {
     let turn = hash(seed, 1) as f32 / u32::MAX as f32;
     let backs = (0..RAYS)
         .filter(|&i| {
             let Vec2 { x: u, y: v } = Vec2::new((i as f32 + 0.5) / RAYS as f32, (i as f32 * 0.618_034 + turn).fract());
             let dir = warp::about(vertex.normal_geom, warp::cosine_hemisphere(u, v));
-            meets_back(paths.tracer, &Ray { origin: vertex.origin, dir, t_max: f32::INFINITY })
+            meets_back(tracer, &Ray { origin: vertex.origin, dir, t_max: f32::INFINITY })
         })
         .count();
     backs as f32 > BURIED_SHARE * RAYS as f32

@@ -52,6 +52,31 @@ pub enum Strategy {
     Environment,
 }
 
+/// A finite emitter as the air sees it.
+#[derive(Debug, Clone, Copy)]
+pub enum Source<'s> {
+    /// A point or spot light.
+    Lamp {
+        /// The light.
+        light: &'s Light,
+        /// Its index in the scene.
+        index: u32,
+    },
+    /// A point of a glowing triangle.
+    Patch {
+        /// Instance that glows.
+        instance: u32,
+        /// The point.
+        place: Place,
+        /// cd/m².
+        radiance: Vec3,
+        /// Of the whole triangle, m².
+        area: f32,
+        /// Glows on both sides.
+        two_sided: bool,
+    },
+}
+
 #[derive(Debug, Clone, Copy)]
 enum Finite {
     Light(u32),
@@ -135,6 +160,30 @@ impl<'s> Emitters<'s> {
     /// Whether there are point or spot lights.
     pub fn has_lamps(&self) -> bool {
         !self.lamps.is_empty()
+    }
+
+    /// Number of finite emitters: point and spot lights first, then glowing triangles.
+    pub fn finite_count(&self) -> usize {
+        self.finite.len()
+    }
+
+    /// Draws a finite emitter for the air around a point, whatever its direction of emission; returns its index with its
+    /// probability.
+    pub fn around(&self, point: Vec3, u: f32) -> Option<(u32, f32)> {
+        self.tree.sample_segment(point, point, u)
+    }
+
+    /// The finite emitter `index`; of a glowing triangle a point of it, uniform over its area.
+    pub fn source(&self, tracer: &Tracer, index: u32, u: f32, v: f32) -> Source<'s> {
+        match self.finite[index as usize] {
+            Finite::Light(index) => Source::Lamp { light: &self.scene.lights[index as usize], index },
+            Finite::Triangle { instance, triangle, area, two_sided } => {
+                let barycentric = warp::triangle(u, v);
+                let place = tracer.place(instance, triangle, barycentric);
+                let radiance = Surface::at(self.scene, instance, triangle, barycentric).emission;
+                Source::Patch { instance, place, radiance, area, two_sided }
+            }
+        }
     }
 
     /// Radiance (cd/m²) of the environment along a unit direction.

@@ -7,19 +7,37 @@ use glam::Vec3;
 /// Intensity (cd) that leaves a point or spot light along the unit vector `dir` and is to be felt at `distance`.
 /// Cone and range follow KHR_lights_punctual; directional lights have none.
 pub fn intensity(light: &Light, dir: Vec3, distance: f32) -> Vec3 {
+    light.color * shape(light, dir) * reach(light, distance)
+}
+
+/// Intensity along the unit vector `dir` as a share of the light's colour.
+pub fn shape(light: &Light, dir: Vec3) -> f32 {
     match &light.kind {
-        LightKind::Point { range, profile, .. } => {
-            let shape = profile.as_ref().map_or(1.0, |p| p.relative_towards(dir));
-            light.color * shape * window(*range, distance)
+        LightKind::Point { profile: Some(profile), .. } | LightKind::Spot { profile: Some(profile), .. } => {
+            profile.relative_towards(dir)
         }
-        LightKind::Spot { direction, cos_inner, cos_outer, range, profile, .. } => {
-            let shape = match profile {
-                Some(profile) => profile.relative_towards(dir),
-                None => cone(direction.dot(dir), *cos_inner, *cos_outer),
-            };
-            light.color * shape * window(*range, distance)
+        LightKind::Point { .. } => 1.0,
+        LightKind::Spot { direction, cos_inner, cos_outer, .. } => cone(direction.dot(dir), *cos_inner, *cos_outer),
+        LightKind::Directional { .. } => 0.0,
+    }
+}
+
+/// Share of a light that its glTF range leaves at a distance.
+pub fn reach(light: &Light, distance: f32) -> f32 {
+    match light.kind {
+        LightKind::Point { range, .. } | LightKind::Spot { range, .. } => window(range, distance),
+        LightKind::Directional { .. } => 0.0,
+    }
+}
+
+/// Axis about which the light's distribution is taken as symmetric in scattering of higher orders.
+pub fn axis(light: &Light) -> Vec3 {
+    match &light.kind {
+        LightKind::Point { profile: Some(profile), .. } | LightKind::Spot { profile: Some(profile), .. } => {
+            profile.axis
         }
-        LightKind::Directional { .. } => Vec3::ZERO,
+        LightKind::Spot { direction, .. } | LightKind::Directional { direction, .. } => *direction,
+        LightKind::Point { .. } => Vec3::Y,
     }
 }
 

@@ -13,6 +13,11 @@ pub fn irradiance<M: Media>(scene: &Scene, media: &M, points: &[(Vec3, Vec3)], s
     let tracer = Tracer::new(scene);
     let emitters = Emitters::new(&tracer);
     let paths = Paths { tracer: &tracer, emitters: &emitters, media, bounces: u32::MAX, sh1: false };
+    gathered(&paths, points, samples)
+}
+
+/// The same by any way to gather light.
+pub fn gathered<G: Gather>(paths: &G, points: &[(Vec3, Vec3)], samples: u32) -> Vec<(f64, f64)> {
     let at = |(index, &(point, normal)): (usize, &(Vec3, Vec3))| {
         let start = path::Vertex { origin: point + normal * 1e-4, normal_geom: normal, normal_shading: normal };
         let replicates: Vec<f64> = (0..32)
@@ -36,7 +41,7 @@ pub fn uniform(bounds: Bounds, sigma_t: f64, albedo: f64, phase: Phase<f64>) -> 
 
 /// How a bake stands against truth; points whose truth is uncertain by more than 2 % are left out.
 #[derive(Debug)]
-struct Score {
+pub(super) struct Score {
     /// Of the mean.
     bias: f64,
     /// Relative RMSE of architecture, with the variances of truth and bake taken off.
@@ -48,14 +53,14 @@ struct Score {
 
 impl Score {
     /// Whether bias and error lie within limits, given three standard deviations of what chance does to both.
-    fn holds(&self, bias: f64, rmse: f64) -> bool {
+    pub(super) fn holds(&self, bias: f64, rmse: f64) -> bool {
         let n = self.points as f64;
         let chance = 3.0 * (2.0 / n).sqrt() * self.noise.powi(2);
         self.bias.abs() < bias + 3.0 * self.noise / n.sqrt() && self.rmse.powi(2) < rmse.powi(2) + chance
     }
 }
 
-fn score(name: &str, got: &[(f64, f64)], truth: &[Row]) -> Score {
+pub(super) fn score(name: &str, got: &[(f64, f64)], truth: &[Row]) -> Score {
     let want: Vec<(f64, f64)> = truth.iter().map(|row| (row.number("E"), row.number("se"))).collect();
     let mean = want.iter().map(|w| w.0).sum::<f64>() / want.len() as f64;
     let sure: Vec<usize> = (0..want.len()).filter(|&i| want[i].1 < 0.02 * want[i].0).collect();
@@ -71,7 +76,7 @@ fn score(name: &str, got: &[(f64, f64)], truth: &[Row]) -> Score {
     score
 }
 
-fn points(rows: &[Row]) -> Vec<(Vec3, Vec3)> {
+pub(super) fn points(rows: &[Row]) -> Vec<(Vec3, Vec3)> {
     let vector = |row: &Row, names: [&str; 3]| DVec3::from(names.map(|name| row.number(name))).as_vec3();
     rows.iter().map(|row| (vector(row, ["x", "y", "z"]), vector(row, ["nx", "ny", "nz"]))).collect()
 }
@@ -84,14 +89,14 @@ pub fn room(albedo: [f32; 6]) -> Scene {
     scene(meshes, albedo.map(matte).to_vec())
 }
 
-const ROOM: [f32; 6] = [0.3, 0.7, 0.5, 0.5, 0.4, 0.6];
+pub(super) const ROOM: [f32; 6] = [0.3, 0.7, 0.5, 0.5, 0.4, 0.6];
 
-fn unit_box() -> Bounds {
+pub(super) fn unit_box() -> Bounds {
     Bounds::Box { min: DVec3::ZERO, max: DVec3::ONE }
 }
 
 /// The rooms 1 to 3 of the reference: scene, air, truth.
-fn truth_room(number: usize, path: &Path) -> (Scene, MediumSet, Vec<Row>) {
+pub(super) fn truth_room(number: usize, path: &Path) -> (Scene, MediumSet, Vec<Row>) {
     let mut scene = room(ROOM);
     let (sigma_t, albedo) = [(0.2, 1.0), (1.0, 1.0), (3.0, 0.7)][number - 1];
     if number == 3 {
@@ -121,7 +126,7 @@ fn walk_meets_the_closed_rooms() {
 }
 
 /// The courtyard of the open truths: by day under a sun, or at night with a point light.
-fn courtyard() -> Scene {
+pub(super) fn courtyard() -> Scene {
     let boxes = [
         ((-10.0, -10.0, -1.0), (10.0, 10.0, 0.0), 0),
         ((-5.0, -5.0, 0.0), (-4.0, 5.0, 4.0), 1),
@@ -132,7 +137,7 @@ fn courtyard() -> Scene {
     scene(meshes.collect(), vec![matte(0.4), matte(0.5)])
 }
 
-fn courtyard_air() -> MediumSet {
+pub(super) fn courtyard_air() -> MediumSet {
     let bounds = Bounds::Box { min: DVec3::new(-10.0, -10.0, 0.0), max: DVec3::new(10.0, 10.0, 8.0) };
     uniform(bounds, 0.125, 1.0, Phase::Isotropic)
 }
