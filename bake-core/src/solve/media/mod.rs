@@ -2,11 +2,14 @@
 //!
 //! A solver is compiled for one kind of [`Media`]; [`Vacuum`] leaves nothing of this in it.
 
+mod uniform;
+
 use bake_formats::Term;
 use bake_optics::medium::{self, MediumSet};
-use bake_optics::phase::Deflection;
+use bake_optics::phase::{Deflection, Phase};
 use glam::{DVec3, Vec3};
-use std::f32::consts::TAU;
+use std::f32::consts::{FRAC_1_PI, TAU};
+use uniform::UniformBox;
 
 /// A straight leg of a path.
 #[derive(Debug, Clone, Copy)]
@@ -132,12 +135,14 @@ pub struct Fog<'a> {
     pub(super) set: &'a MediumSet,
     /// Whether any of it scatters; what only absorbs needs no sampling.
     pub(super) scatters: bool,
+    /// The set in its simplest form, where it has that.
+    uniform: Option<UniformBox>,
 }
 
 impl<'a> Fog<'a> {
     /// The sum of all media.
     pub fn new(set: &'a MediumSet) -> Self {
-        Self { set, scatters: set.media.iter().any(is_scattering) }
+        Self { set, scatters: set.media.iter().any(is_scattering), uniform: UniformBox::of(set) }
     }
 
     /// Extinction times transmittance at `distance`, and that transmittance.
@@ -151,10 +156,16 @@ impl Media for Fog<'_> {
     const PRESENT: bool = true;
 
     fn transmittance(&self, leg: &Leg) -> Vec3 {
+        if let Some(uniform) = &self.uniform {
+            return uniform.stretch(leg).map_or(Vec3::ONE, |(near, far)| uniform.passed(far - near));
+        }
         DVec3::from(self.set.transmittance(&leg.ray())).as_vec3()
     }
 
     fn scattering_stretch(&self, leg: &Leg) -> Option<(f32, f32)> {
+        if let Some(uniform) = &self.uniform {
+            return uniform.stretch(leg).filter(|_| self.scatters);
+        }
         let ray = leg.ray();
         let scattering = self.set.media.iter().filter(|m| is_scattering(m));
         scattering
@@ -169,7 +180,12 @@ impl Media for Fog<'_> {
             return Flight::Through(self.transmittance(leg));
         }
         let (lead, shares) = leading_channel(throughput, u[0]);
-        let distance = self.set.free_path(&ray, lead, -f64::from(-u[1]).ln_1p());
+        if let Some(uniform) = &self.uniform {
+            return uniform.fly(leg, lead, shares.as_vec3(), u[1]);
+        }
+        // Depth zero would be reached before the air begins.
+        let depth = -f64::from(-u[1]).ln_1p().min(-f64::MIN_POSITIVE);
+        let distance = self.set.free_path(&ray, lead, depth);
         if distance < ray.length {
             let (density, passed) = self.density(&ray, distance);
             let pdf = shares.dot(density);
@@ -182,8 +198,11 @@ impl Media for Fog<'_> {
     }
 
     fn collide(&self, leg: &Leg, throughput: Vec3, u: [f32; 2]) -> Option<(f32, Vec3)> {
-        let ray = leg.ray();
         let (lead, shares) = leading_channel(throughput, u[0]);
+        if let Some(uniform) = &self.uniform {
+            return uniform.collide(leg, lead, shares.as_vec3(), u[1]);
+        }
+        let ray = leg.ray();
         let depth = DVec3::from(self.set.optical_depth(&ray));
         let collided = depth.to_array().map(|tau| -(-tau).exp_m1());
         let target = -(-f64::from(u[1]) * collided[lead]).ln_1p();
@@ -196,6 +215,9 @@ impl Media for Fog<'_> {
     }
 
     fn scatter(&self, point: Vec3, from: Vec3, to: Vec3) -> Vec3 {
+        if let (Some(uniform), Phase::Isotropic) = (&self.uniform, &self.set.media[0].phase) {
+            return if uniform.contains(point) { uniform.sigma_s * (0.25 * FRAC_1_PI) } else { Vec3::ZERO };
+        }
         let at = point.as_dvec3();
         let deflection = Deflection::between(from.as_dvec3().to_array(), to.as_dvec3().to_array());
         let of = |m: &medium::Medium| {
@@ -225,7 +247,8 @@ impl Media for Fog<'_> {
         let drawn = chosen.phase.sample(f64::from(u[0])).deflection;
         let sin = (drawn.one_minus_cos * drawn.one_plus_cos).sqrt() as f32;
         let (sin_phi, cos_phi) = (TAU * u[1]).sin_cos();
-        let to = super::warp::about(dir, Vec3::new(sin * cos_phi, sin * sin_phi, drawn.cos_theta as f32)).normalize();
+        let to =
+            crate::solve::warp::about(dir, Vec3::new(sin * cos_phi, sin * sin_phi, drawn.cos_theta as f32)).normalize();
         // All phase functions depend on the deflection alone: the sum needs no second look at directions.
         let (mut weight, mut pdf) = (DVec3::ZERO, 0.0);
         for m in &self.set.media {
