@@ -3,6 +3,7 @@
 
 pub mod environment;
 pub mod punctual;
+pub mod spherical;
 pub mod tree;
 
 use crate::scene::surface::Surface;
@@ -11,6 +12,7 @@ use crate::solve::{LUMINANCE, warp};
 use crate::trace::{Hit, Place, Tracer};
 use environment::EnvironmentSampler;
 use glam::{Vec2, Vec3};
+use spherical::SphericalTriangle;
 use std::collections::HashMap;
 use tree::{LightBounds, LightTree};
 
@@ -236,7 +238,10 @@ impl<'s> Emitters<'s> {
         } else {
             self.tree.probability(index, point, normal)
         };
-        probability * distance * distance / (area * cos)
+        match SphericalTriangle::new(point, crate::trace::world_triangle(self.scene, hit.instance, hit.triangle)) {
+            Some(triangle) => probability / triangle.solid_angle as f32,
+            None => probability * distance * distance / (area * cos),
+        }
     }
 
     fn sample_finite(
@@ -252,7 +257,12 @@ impl<'s> Emitters<'s> {
                 Some(LightSample { target: Target::Point(target), irradiance: irradiance / probability, pdf: None })
             }
             Finite::Triangle { instance, triangle, area, two_sided } => {
-                let barycentric = warp::triangle(u[1], u[2]);
+                let vertices = crate::trace::world_triangle(self.scene, instance, triangle);
+                let near = SphericalTriangle::new(point, vertices);
+                let barycentric = match &near {
+                    Some(near) => near.sample(u[1], u[2])?,
+                    None => warp::triangle(u[1], u[2]),
+                };
                 let place = tracer.place(instance, triangle, barycentric);
                 let way = place.point.position - point;
                 let distance2 = way.length_squared();
@@ -261,7 +271,10 @@ impl<'s> Emitters<'s> {
                     return None;
                 }
                 let emission = Surface::at(self.scene, instance, triangle, barycentric).emission;
-                let pdf = probability * distance2 / (area * cos.abs());
+                let pdf = match near {
+                    Some(near) => probability / near.solid_angle as f32,
+                    None => probability * distance2 / (area * cos.abs()),
+                };
                 let target = place.point.offset_along(place.normal_geom * cos.signum());
                 Some(LightSample { target: Target::Point(target), irradiance: emission / pdf, pdf: Some(pdf) })
             }
