@@ -3,14 +3,14 @@
 //! Values that may be absent take `none`. Records are written `key=value,key=value`, colours `0.5` or `0.5/0.4/0.3`.
 
 use crate::values::{self, Given};
-use bake_core::settings::{Env, LightUnits, Medium, Mode, Node, Probes, Quality, Rgb, Settings, Sun, Unlit};
+use bake_core::settings::{Env, FogVolume, LightUnits, Medium, Mode, Node, Probes, Quality, Rgb, Settings, Sun, Unlit};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
 
 /// The flags that the help leaves out to fit a screen; the file that `bake init` writes explains them.
 pub const RARE: &str = "\
-More: --scene, --padding, --nodes, --bake-instanced, --light-scale, --light-radius-m, --unlit, --probes, --half,
---keep-raw. `bake init SCENE` writes a file that explains every setting; each is a flag too.";
+More: --scene, --padding, --nodes, --bake-instanced, --light-scale, --light-radius-m, --unlit, --probes, --fog-volume,
+--keep-vacuum, --half, --keep-raw. `bake init SCENE` writes a file that explains every setting; each is a flag too.";
 
 /// The flags.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -87,9 +87,15 @@ pub struct SettingsFlags {
     #[arg(long = "fog", value_name = "RECORD", help_heading = "Light", value_parser = values::optional(values::fog))]
     media: Option<Given<Vec<Medium>>>,
 
-    /// A grid of probes, metres apart
+    /// A grid of probes: metres apart, or spacing_m=1[,bounds=x0:y0:z0:x1:y1:z1] or spacing_m=1,origin=x:y:z,count=x:y:z
     #[arg(hide = true, long, value_name = "M", value_parser = values::optional(values::probes))]
     probes: Option<Given<Probes>>,
+    /// Light at cells around the air, at most so many metres wide; 1/32 of the longest side without a number
+    #[arg(hide = true, long, value_name = "M", num_args = 0..=1, default_missing_value = "", value_parser = values::optional(values::fog_volume))]
+    fog_volume: Option<Given<FogVolume>>,
+    /// Also the total without air, beside the terms
+    #[arg(hide = true, long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true", require_equals = true, hide_possible_values = true)]
+    keep_vacuum: Option<bool>,
     /// Also spherical harmonics (l ≤ 1) for normal maps
     #[arg(long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true", require_equals = true, hide_possible_values = true)]
     sh1: Option<bool>,
@@ -132,6 +138,8 @@ impl SettingsFlags {
             settings.media = Some(media.unwrap_or_default());
         }
         set(&mut settings.probes, flags.probes);
+        set(&mut settings.fog_volume, flags.fog_volume);
+        set(&mut settings.keep_vacuum, flags.keep_vacuum);
         set(&mut settings.sh1, flags.sh1);
         set(&mut settings.half, flags.half);
         set(&mut settings.keep_raw, flags.keep_raw);
@@ -178,7 +186,7 @@ mod tests {
     }
 
     /// Every key with a flag value that is not its default.
-    const NOT_DEFAULT: [(&str, &str); 27] = [
+    const NOT_DEFAULT: [(&str, &str); 29] = [
         ("quality", "--quality final"),
         ("target_error", "--target-error 1.5%"),
         ("samples", "--samples 64"),
@@ -202,6 +210,8 @@ mod tests {
         ("mode", "--mode walk"),
         ("media", "--fog sigma_t=0.5,albedo=0.9"),
         ("probes", "--probes 2"),
+        ("fog_volume", "--fog-volume"),
+        ("keep_vacuum", "--keep-vacuum"),
         ("sh1", "--sh1"),
         ("half", "--half"),
         ("keep_raw", "--keep-raw"),

@@ -79,9 +79,6 @@ pub fn stop_if_interrupted(progress: &Progress) -> Result<(), Failure> {
 
 /// Settings that are understood, and whose effect is not built.
 fn refuse_later(settings: &Settings) -> Result<(), Failure> {
-    if settings.probes.is_some() {
-        return Err(later::refuse("a probe grid (`probes`)"));
-    }
     if settings.time_budget.is_some() {
         return Err(later::refuse("`--time-budget`"));
     }

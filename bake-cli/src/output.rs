@@ -7,6 +7,7 @@ use bake_core::fingerprint;
 use bake_core::package::{self, Bake, Record};
 use bake_core::plan::Plan;
 use bake_core::solve::buffers::PageBuffers;
+use bake_core::solve::points::LatticeLight;
 use bake_formats::FormatError;
 use bake_formats::float_image::PixelFormat;
 use bake_formats::manifest::Source;
@@ -28,6 +29,12 @@ pub struct Pages<'a> {
     pub finished: &'a [PageBuffers],
     /// Before, when asked for.
     pub raw: Option<&'a [PageBuffers]>,
+    /// Of the scene without air, when asked for.
+    pub vacuum: Option<&'a [PageBuffers]>,
+    /// Light at probes.
+    pub probes: Option<&'a LatticeLight>,
+    /// Light at the cells of the fog volume.
+    pub fog_volume: Option<&'a LatticeLight>,
 }
 
 /// Folders made here; those still empty at the end are removed.
@@ -55,7 +62,9 @@ impl Output {
 
     /// Writes everything and publishes it; returns the manifest's path.
     pub fn write(mut self, scene_file: &Path, job: &Job, plan: &Plan, pages: Pages) -> Result<PathBuf, Failure> {
-        let bake = Bake { scene: &job.scene, air: &job.air, atlas: &job.atlas, pages: pages.finished, raw: pages.raw };
+        let Pages { finished, raw, vacuum, probes, fog_volume } = pages;
+        let (scene, air, atlas) = (&job.scene, &job.air, &job.atlas);
+        let bake = Bake { scene, air, atlas, pages: finished, raw, vacuum, probes, fog_volume };
         let path = package::write(&self.folder, bake, &record(scene_file, job, plan)?)?;
         self.made.0.clear();
         Ok(path)

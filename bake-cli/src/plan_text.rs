@@ -3,6 +3,7 @@
 use crate::units;
 use bake_core::air::{Extent, Summary};
 use bake_core::plan::Plan;
+use bake_core::solve::lattice::Lattice;
 use std::fmt::Write;
 
 /// The plan of the scene `name`, some ten lines.
@@ -38,6 +39,11 @@ pub fn text(name: &str, plan: &Plan) -> String {
         let state = if effect.on { "on " } else { "off" };
         line("effect", format!("{state} {:<24} {}", effect.name, effect.why));
     }
+    for (name, lattice) in [("probes", plan.lattices.probes), ("cells", plan.lattices.fog_volume)] {
+        if let Some(lattice) = lattice {
+            line(name, lattice_text(&lattice));
+        }
+    }
     let cost = &plan.cost;
     let [least, usual, most] = cost.samples;
     line(
@@ -62,6 +68,12 @@ pub fn text(name: &str, plan: &Plan) -> String {
 }
 
 /// A medium in two lines.
+fn lattice_text(lattice: &Lattice) -> String {
+    let ([x, y, z], spacing) = (lattice.count.to_array(), lattice.spacing.as_dvec3());
+    let spacing = channels(spacing.to_array(), number);
+    format!("{} points, {x} × {y} × {z} from {} m, {spacing} m apart", lattice.points(), lattice.origin)
+}
+
 fn medium_text(medium: &Summary) -> String {
     let path = |path: Option<f64>| path.map_or("endless".into(), |path| format!("{} m", number(path)));
     format!(

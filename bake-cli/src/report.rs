@@ -1,6 +1,7 @@
 //! What a bake measured of itself: a table for people, JSON for machines, and the package's `NAME.run.json`.
 
 use crate::units;
+use bake_core::solve::points::LatticeReport;
 use bake_core::solve::{Lightmap, PageReport};
 use serde::Serialize;
 use std::fmt::Write;
@@ -15,6 +16,9 @@ pub struct Stage {
     /// Wall-clock seconds.
     pub seconds: f64,
 }
+
+/// The stages whose rays are counted.
+const TRACING: [&str; 5] = ["light in the air", "trace", "vacuum", "probes", "fog volume"];
 
 /// Takes the time of a command's stages.
 #[derive(Debug, Default)]
@@ -65,6 +69,10 @@ pub struct Measured {
     pub unbaked_texels: u64,
     /// Page by page.
     pub pages: Vec<PageMeasured>,
+    /// The probes.
+    pub probes: Option<LatticeReport>,
+    /// The fog volume.
+    pub fog_volume: Option<LatticeReport>,
     /// Warnings.
     pub warnings: Vec<String>,
 }
@@ -116,7 +124,7 @@ impl Measured {
     /// Gathers what the solver and the stopwatch know; the rest is for the caller to fill in.
     pub fn new(stopwatch: Stopwatch, lightmap: &Lightmap, target_error: f32) -> Self {
         let stages = stopwatch.0;
-        let tracing: f64 = stages.iter().filter(|stage| stage.name == "trace").map(|stage| stage.seconds).sum();
+        let tracing: f64 = stages.iter().filter(|stage| TRACING.contains(&stage.name)).map(|stage| stage.seconds).sum();
         let good: u64 = lightmap.reports.iter().map(|page| u64::from(page.good_texels)).sum();
         let buried: u64 = lightmap.reports.iter().map(|page| u64::from(page.buried_texels)).sum();
         Self {
@@ -136,6 +144,8 @@ impl Measured {
             filled_texels: buried,
             unbaked_texels: 0,
             pages: lightmap.reports.iter().map(PageMeasured::from).collect(),
+            probes: None,
+            fog_volume: None,
             warnings: Vec::new(),
         }
     }
@@ -165,6 +175,15 @@ impl Measured {
         }
         if self.unbaked_texels > 0 {
             line("", format!("{} without any light: every texel of their chart is buried", self.unbaked_texels));
+        }
+        for (name, report) in [("probes", &self.probes), ("cells", &self.fog_volume)] {
+            if let Some(LatticeReport { points, invalid_points, moved_points, samples, error, .. }) = report {
+                let error = 100.0 * error;
+                line(name, format!("{points}, error {error:.2} % of the median with {samples} samples each"));
+                if invalid_points + moved_points > 0 {
+                    line("", format!("{moved_points} moved into free air, {invalid_points} without any in their cell"));
+                }
+            }
         }
         if !self.warnings.is_empty() {
             line("warnings", self.warnings.len().to_string());

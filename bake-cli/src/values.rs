@@ -1,6 +1,8 @@
 //! The values of flags that are more than a number or a name, from text. Ranges are judged with the settings.
 
-use bake_core::settings::{Bounds, Density, Env, Medium, Node, Phase, Probes, Rgb, Scatter, Sun, Unlit, suggest};
+use bake_core::settings::{
+    Bounds, Density, Env, FogVolume, Medium, Node, Phase, Probes, Rgb, Scatter, Sun, Unlit, suggest,
+};
 use std::fmt::Display;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -145,9 +147,33 @@ pub fn node(text: &str) -> Result<(String, Node), String> {
     Ok((name.to_owned(), node))
 }
 
-/// Metres between probes.
+/// Metres between probes; or `spacing_m=1[,bounds=x0:y0:z0:x1:y1:z1]`, `spacing_m=1,origin=x:y:z,count=x:y:z`.
 pub fn probes(text: &str) -> Result<Probes, String> {
-    Ok(Probes { spacing_m: number(text)? })
+    let mut probes = Probes { spacing_m: 0.0, bounds: Bounds::Scene, origin: None, count: None };
+    if !text.contains('=') {
+        return Ok(Probes { spacing_m: number(text)?, ..probes });
+    }
+    for (key, value) in pairs(text, &["spacing_m", "bounds", "origin", "count"])? {
+        match key {
+            "spacing_m" => probes.spacing_m = number(value)?,
+            "bounds" => probes.bounds = corners(value)?,
+            "origin" => probes.origin = Some(triple(value)?),
+            _ => probes.count = Some(triple(value)?),
+        }
+    }
+    Ok(probes)
+}
+
+/// Size of the cells of a fog volume, metres.
+pub fn fog_volume(text: &str) -> Result<FogVolume, String> {
+    let spacing_m = if text.is_empty() { None } else { Some(number(text)?) };
+    Ok(FogVolume { spacing_m })
+}
+
+/// `x:y:z`.
+fn triple<T: FromStr<Err: Display>>(text: &str) -> Result<[T; 3], String> {
+    let numbers = text.split(':').map(number).collect::<Result<Vec<T>, _>>()?;
+    numbers.try_into().map_err(|_| format!("`{text}`: three numbers belong here, divided by `:`"))
 }
 
 /// `sigma_t=0.5,albedo=0.9[,g=0.3,bounds=x0:y0:z0:x1:y1:z1]`: one uniform medium.
@@ -218,6 +244,19 @@ mod tests {
         assert!(fog("sigma_t=1,albedo=1,bounds=1:2:3").is_err());
         assert!(node("Statue").is_err());
         assert!(ies("Lamp").is_err());
+    }
+
+    #[test]
+    fn probes_stand_in_a_box_or_by_hand() {
+        let spaced = Probes { spacing_m: 0.5, bounds: Bounds::Scene, origin: None, count: None };
+        assert_eq!(probes("0.5"), Ok(spaced.clone()));
+        let bounds = Bounds::Box { min: [0.0; 3], max: [1.0, 2.0, 3.0] };
+        assert_eq!(probes("spacing_m=0.5,bounds=0:0:0:1:2:3"), Ok(Probes { bounds, ..spaced.clone() }));
+        let by_hand = Probes { origin: Some([1.0, 0.0, -1.0]), count: Some([2, 3, 4]), ..spaced };
+        assert_eq!(probes("spacing_m=0.5,origin=1:0:-1,count=2:3:4"), Ok(by_hand));
+        for wrong in ["", "x", "spacing_m=1,count=1:2", "spacing=1"] {
+            assert!(probes(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -44,6 +44,8 @@ pub enum Quantity {
     Validity,
     /// Relative density of a medium.
     Density,
+    /// Displacement in the world, metres.
+    Offset,
 }
 
 impl Quantity {
@@ -54,6 +56,7 @@ impl Quantity {
             Self::IrradianceVariance => "lx^2",
             Self::ShRadiance => "cd/m^2",
             Self::Samples | Self::Validity | Self::Density => "1",
+            Self::Offset => "m",
         }
     }
 

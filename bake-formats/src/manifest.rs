@@ -48,6 +48,8 @@ pub struct Manifest {
     pub instances: Vec<InstanceRecord>,
     /// Grid of light probes.
     pub probes: Option<ProbeGrid>,
+    /// Cells of light in the air.
+    pub fog_volume: Option<ProbeGrid>,
     /// Error of the bake by its own estimate.
     pub error_estimate: Option<ErrorEstimate>,
     /// What should be looked at.
@@ -197,17 +199,17 @@ pub struct InstanceRecord {
     pub uv_scale: Vec2,
 }
 
-/// A box of probes; probe (ix, iy, iz) is pixel x = ix + nx·iz, y = iy.
+/// A box of points with light, probes or the middles of fog cells; point (ix, iy, iz) is pixel x = ix + nx·iz, y = iy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProbeGrid {
-    /// Image of 9 harmonics and validity.
+    /// Image of 9 harmonics (fog: 4), of how far each point was moved, and of validity.
     pub file: String,
-    /// Position of probe (0, 0, 0), metres.
+    /// Position of point (0, 0, 0), metres.
     pub origin: Vec3,
     /// Distance of neighbours, metres.
     pub spacing: Vec3,
-    /// Number of probes along x, y, z.
+    /// Number of points along x, y, z.
     pub count: [u32; 3],
 }
 
@@ -268,6 +270,7 @@ impl Manifest {
             pages: Vec::new(),
             instances: Vec::new(),
             probes: None,
+            fog_volume: None,
             error_estimate: None,
             warnings: Vec::new(),
             files: Vec::new(),
@@ -326,14 +329,13 @@ impl Manifest {
                 return invalid(field, instance.page.to_string(), "an index into pages");
             }
         }
-        if let Some(probes) = &self.probes
-            && (self.file(&probes.file).is_none() || probes.count.contains(&0))
-        {
-            return invalid(
-                "probes".into(),
-                format!("{} {:?}", probes.file, probes.count),
-                "a listed file of 1+ probes",
-            );
+        for (name, grid) in [("probes", &self.probes), ("fog_volume", &self.fog_volume)] {
+            if let Some(grid) = grid
+                && (self.file(&grid.file).is_none() || grid.count.contains(&0))
+            {
+                let found = format!("{} {:?}", grid.file, grid.count);
+                return invalid(name.into(), found, "a listed file of 1+ points");
+            }
         }
         Ok(())
     }

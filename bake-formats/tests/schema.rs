@@ -63,6 +63,7 @@ fn written() -> Value {
         image.push_rgb(&format!("{quantity:?}"), quantity, &[[1.0, 2.0, 3.0]]);
     }
     image.push("samples.Y", Quantity::Samples, vec![4.0]);
+    image.push("offset.X", Quantity::Offset, vec![0.5]);
     image.push("validity.Y", Quantity::Validity, vec![1.0]);
     let [lightmap, terms] = [("lightmap.00.exr", PixelFormat::F32), ("terms.00.exr", PixelFormat::F16)]
         .map(|(name, pixels)| writer.add_image(name, &image, pixels).unwrap());
@@ -87,6 +88,7 @@ fn written() -> Value {
     manifest.instances = vec![InstanceRecord { baked_node: 0, node: 7, path, name, page: 0, uv_offset, uv_scale }];
     let (file, origin, spacing) = (lightmap.clone(), Vec3::ZERO, Vec3::ONE);
     manifest.probes = Some(ProbeGrid { file, origin, spacing, count: [2, 1, 1] });
+    manifest.fog_volume = manifest.probes.clone();
     manifest.pages =
         vec![PageRecord { width: 1, height: 1, sh1: Some(terms.clone()), raw: Some(terms.clone()), lightmap, terms }];
     let path = writer.finish(manifest).unwrap();

@@ -6,7 +6,7 @@ use crate::exit::Failure;
 pub const COMMANDS: &[&str] = &["refog", "study", "merge", "status", "explain", "report"];
 
 /// Flags of later versions.
-pub const FLAGS: &[&str] = &["--keep-paths", "--keep-vacuum", "--shard", "--resume", "--watch"];
+pub const FLAGS: &[&str] = &["--keep-paths", "--shard", "--resume", "--watch"];
 
 /// Refuses something that a later version will do.
 pub fn refuse(what: &str) -> Failure {

@@ -33,7 +33,7 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     if !global.quiet {
         job.warnings.iter().for_each(|warning| progress.line(&format!("warning: {warning}")));
     }
-    let plan = Plan::derive(&job.scene, &job.air, &job.settings, &job.atlas, rayon::current_num_threads());
+    let plan = Plan::derive(&job.scene, &job.air, &job.settings, &job.atlas, rayon::current_num_threads())?;
     if global.json {
         println!("{}", serde_json::to_string_pretty(&plan).expect("plain data becomes JSON"));
     } else {

@@ -12,10 +12,13 @@ use crate::progress::Progress;
 use crate::report::{Measured, Stopwatch};
 use bake_core::plan::Plan;
 use bake_core::post;
-use bake_core::progress::Progress as _;
+use bake_core::progress::{Interrupted, Progress as _};
 use bake_core::solve::buffers::{PageBuffers, Validity};
-use bake_core::solve::{self, Lightmap};
+use bake_core::solve::lattice::Lattice;
+use bake_core::solve::points::{LatticeLight, LatticeReport};
+use bake_core::solve::{self, Lightmap, Solver};
 use bake_core::trace::Tracer;
+use bake_optics::medium::MediumSet;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -55,23 +58,35 @@ fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, F
     // An output that cannot be written is told before hours of tracing, not after.
     let folder = args.output.clone().unwrap_or_else(|| args.input.file.with_extension("bake"));
     let output = Output::open(&folder, &job.scene.name)?;
-    let plan = Plan::derive(&job.scene, &job.air, &job.settings, &job.atlas, rayon::current_num_threads());
+    let plan = Plan::derive(&job.scene, &job.air, &job.settings, &job.atlas, rayon::current_num_threads())?;
     tell(global, progress, &job, &plan);
 
-    let mut lightmap = trace(&job, &plan, progress, &mut stopwatch)?;
-    let raw = job.settings.keep_raw.then(|| lightmap.pages.clone());
-    stopwatch.time("post", || finish_pages(&job, &mut lightmap.pages));
+    let mut solved = trace(&job, &plan, progress, &mut stopwatch)?;
+    let raw = job.settings.keep_raw.then(|| solved.lightmap.pages.clone());
+    stopwatch.time("post", || {
+        finish_pages(&job, &mut solved.lightmap.pages);
+        solved.vacuum.iter_mut().for_each(|vacuum| finish_pages(&job, vacuum));
+    });
     stop_if_interrupted(progress)?;
 
     progress.stage("write", 0);
     let target = job.settings.relative_error();
-    job.warnings.extend(missed_target(&job, &lightmap));
-    job.warnings.extend(endless_paths(&lightmap));
-    let pages = Pages { finished: &lightmap.pages, raw: raw.as_deref() };
+    let Solved { lightmap, vacuum, probes, fog_volume } = &solved;
+    job.warnings.extend(missed_target(&job, lightmap));
+    job.warnings.extend([("probes", probes), ("fog cells", fog_volume)].into_iter().filter_map(|(name, light)| {
+        missed_points(name, light.as_ref().filter(|_| job.settings.samples.is_none())?, target)
+    }));
+    job.warnings.extend(endless_paths(lightmap));
+    // Without air the bake is its own vacuum.
+    let vacuum = job.settings.keep_vacuum.then(|| vacuum.as_deref().unwrap_or(&lightmap.pages));
+    let (probes, fog_volume) = (probes.as_ref(), fog_volume.as_ref());
+    let pages = Pages { finished: &lightmap.pages, raw: raw.as_deref(), vacuum, probes, fog_volume };
     let package = stopwatch.time("write", || output.write(&args.input.file, &job, &plan, pages))?;
-    let mut measured = Measured::new(stopwatch, &lightmap, target);
+    let mut measured = Measured::new(stopwatch, lightmap, target);
     measured.unbaked_texels = lightmap.pages.iter().map(without_value).sum();
     measured.filled_texels -= measured.unbaked_texels;
+    measured.probes = probes.map(|light| light.report);
+    measured.fog_volume = fog_volume.map(|light| light.report);
     measured.warnings = job.warnings;
     measured.package = package;
     crate::output::write_measured(&measured)?;
@@ -89,7 +104,17 @@ fn tell(global: &Global, progress: &Progress, job: &Job, plan: &Plan) {
     }
 }
 
-fn trace(job: &Job, plan: &Plan, progress: &Progress, stopwatch: &mut Stopwatch) -> Result<Lightmap, Failure> {
+/// All light of a bake.
+struct Solved {
+    /// The counts of rays are those of everything.
+    lightmap: Lightmap,
+    /// Pages of the scene without its air, where that is asked for and another bake.
+    vacuum: Option<Vec<PageBuffers>>,
+    probes: Option<LatticeLight>,
+    fog_volume: Option<LatticeLight>,
+}
+
+fn trace(job: &Job, plan: &Plan, progress: &Progress, stopwatch: &mut Stopwatch) -> Result<Solved, Failure> {
     progress.stage("build trees", 0);
     let tracer = stopwatch.time("build trees", || Tracer::new(&job.scene));
     stop_if_interrupted(progress)?;
@@ -97,8 +122,34 @@ fn trace(job: &Job, plan: &Plan, progress: &Progress, stopwatch: &mut Stopwatch)
     if let Some(choice) = &plan.mode {
         settings.mode = choice.mode;
     }
-    let traced = stopwatch.time("trace", || solve::lightmap(&tracer, &job.air.media, &job.atlas, &settings, progress));
-    traced.map_err(|_| Failure::Interrupted)
+    let media = &job.air.media;
+    let solver = stopwatch.time("light in the air", || Solver::prepare(&tracer, media, &settings, progress))?;
+    let mut lightmap = stopwatch.time("trace", || solver.lightmap(&job.atlas, progress))?;
+    let mut vacuum = None;
+    if job.settings.keep_vacuum && !job.air.is_empty() {
+        let none = MediumSet::default();
+        let without = stopwatch.time("vacuum", || solve::lightmap(&tracer, &none, &job.atlas, &settings, progress))?;
+        lightmap.rays += without.rays;
+        lightmap.shadow_rays += without.shadow_rays;
+        vacuum = Some(without.pages);
+    }
+    let mut lattice = |name, lattice: Option<Lattice>| -> Result<Option<LatticeLight>, Failure> {
+        let Some(lattice) = lattice else { return Ok(None) };
+        let light = stopwatch.time(name, || solver.lattice(&lattice, progress))?;
+        lightmap.rays += light.report.rays;
+        lightmap.shadow_rays += light.report.shadow_rays;
+        lightmap.cut_paths += light.report.cut_paths;
+        Ok(Some(light))
+    };
+    let probes = lattice("probes", plan.lattices.probes)?;
+    let fog_volume = lattice("fog volume", plan.lattices.fog_volume)?;
+    Ok(Solved { lightmap, vacuum, probes, fog_volume })
+}
+
+impl From<Interrupted> for Failure {
+    fn from(_: Interrupted) -> Self {
+        Self::Interrupted
+    }
 }
 
 /// Fills what no sample reached and closes seams.
@@ -126,6 +177,15 @@ fn missed_target(job: &Job, lightmap: &Lightmap) -> Option<String> {
             100.0 * target,
             100.0 * worst
         )
+    })
+}
+
+/// The same of points in the air.
+fn missed_points(name: &str, light: &LatticeLight, target: f32) -> Option<String> {
+    let LatticeReport { error, samples, .. } = light.report;
+    (error > target).then(|| {
+        let [error, target] = [error, target].map(|share| 100.0 * share);
+        format!("{name} kept a standard error of {error:.1} %, above {target:.1} %, when the most samples ({samples}) were taken")
     })
 }
 

@@ -149,9 +149,43 @@ fn the_reference_is_the_bake_by_walks() {
 }
 
 #[test]
-fn effects_of_later_versions_are_refused_by_name() {
+fn probes_fog_cells_and_the_total_without_air_are_written() {
     let desk = Desk::with_room();
-    desk.bake("plan room.glb --probes 1").expect(2, &["probe", "not in this version"]);
+    let small = "--samples 64 --page-size 32 --max-pages 1 --mode walk";
+    let fog = "--fog sigma_t=0.5,albedo=0.9";
+    let ended = desk.bake(&format!("run room.glb {small} {fog} --probes 0.5 --fog-volume 1 --keep-vacuum -o fog"));
+    ended.expect(0, &[]);
+    assert!(ended.out.contains("probes") && ended.out.contains("64 samples each"), "{}", ended.out);
+    desk.bake(&format!("run room.glb {small} --keep-vacuum -q -o clear")).expect(0, &[]);
+    let [fog, clear] = ["fog", "clear"].map(|folder| Package::open(&desk.path(folder)).expect("a package"));
+
+    // What is kept beside the fog is the other bake, bit for bit; without air it is the total.
+    let image = |package: &Package, layer: &str| {
+        let terms = package.image(&package.manifest.pages[0].terms).expect("readable");
+        terms.rgb::<[f32; 3]>(layer).expect("three channels")
+    };
+    let lightmap = clear.image(&clear.manifest.pages[0].lightmap).expect("readable");
+    assert_eq!(image(&fog, "vacuum"), lightmap.rgb::<[f32; 3]>("").expect("R, G and B"));
+    assert_eq!(image(&fog, "vacuum"), image(&clear, "vacuum"));
+    assert_ne!(image(&fog, "vacuum"), fog.image(&fog.manifest.pages[0].lightmap).unwrap().rgb::<[f32; 3]>("").unwrap());
+
+    for (grid, coefficients) in [(&fog.manifest.probes, 9), (&fog.manifest.fog_volume, 4)] {
+        let grid = grid.as_ref().expect("in the manifest");
+        let [nx, ny, nz] = grid.count;
+        let image = fog.image(&grid.file).expect("readable");
+        assert_eq!((image.width, image.height), (nx * nz, ny));
+        assert_eq!(image.channels.len(), 3 * coefficients + 4, "harmonics, offset and validity");
+        let light = image.rgb::<[f32; 3]>("c0").expect("c0");
+        let valid = image.channel("validity.Y").expect("validity");
+        assert!(valid.iter().sum::<f32>() > 0.7 * valid.len() as f32, "most of the room is air");
+        for (light, valid) in light.iter().zip(valid) {
+            assert!(light.iter().all(|c| c.is_finite() && (*c > 0.0) == (*valid == 1.0)), "{light:?} {valid}");
+        }
+    }
+    assert!(clear.manifest.probes.is_none() && clear.manifest.fog_volume.is_none());
+    desk.bake("plan room.glb --probes 0.5").expect(0, &[]);
+    assert!(desk.bake("plan room.glb --probes 0.5").out.contains("m apart"));
+    desk.bake("plan room.glb --probes 0.01").expect(2, &["probes.spacing_m", "points"]);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::luminance;
 use crate::solve::buffers::{PageBuffers, Validity};
+use crate::solve::points::LatticeLight;
 use bake_formats::float_image::{FloatImage, Quantity};
 use glam::Vec3;
 
@@ -16,11 +17,14 @@ fn totals(page: &PageBuffers) -> Vec<Vec3> {
     (0..page.validity.len()).map(|index| page.total(index)).collect()
 }
 
-/// Terms, variance, samples and validity.
-pub(super) fn terms(page: &PageBuffers) -> FloatImage {
+/// Terms, variance, samples and validity; the total without air beside them where it was kept.
+pub(super) fn terms(page: &PageBuffers, vacuum: Option<&PageBuffers>) -> FloatImage {
     let mut image = FloatImage::new(page.width, page.height);
     for term in &page.terms {
         image.push_rgb(term.term.name(), Quantity::Irradiance, &term.irradiance);
+    }
+    if let Some(vacuum) = vacuum {
+        image.push_rgb("vacuum", Quantity::Irradiance, &totals(vacuum));
     }
     image.push_rgb("variance", Quantity::IrradianceVariance, &page.variance);
     image.push("samples.Y", Quantity::Samples, page.samples.iter().map(|&count| count as f32).collect());
@@ -38,6 +42,25 @@ pub(super) fn sh1(page: &PageBuffers) -> Option<FloatImage> {
         image.push_rgb(&format!("c{index}"), Quantity::ShRadiance, &values);
     }
     Some(image)
+}
+
+/// The first coefficients at every point of a lattice, where each was gathered, and whether it was.
+pub(super) fn lattice(light: &LatticeLight, coefficients: usize) -> FloatImage {
+    let [nx, ny, nz] = light.lattice.count.to_array();
+    let mut image = FloatImage::new(nx * nz, ny);
+    for index in 0..coefficients {
+        let values: Vec<Vec3> = light.light.iter().map(|sh| sh[index]).collect();
+        image.push_rgb(&format!("c{index}"), Quantity::ShRadiance, &values);
+    }
+    let places = light.places.iter().enumerate();
+    let moved = places.map(|(i, place)| place.map_or(Vec3::ZERO, |place| place - light.lattice.position(i)));
+    let moved: Vec<Vec3> = moved.collect();
+    for (axis, letter) in ["X", "Y", "Z"].into_iter().enumerate() {
+        image.push(format!("offset.{letter}"), Quantity::Offset, moved.iter().map(|m| m[axis]).collect());
+    }
+    let valid = light.places.iter().map(|place| f32::from(place.is_some())).collect();
+    image.push("validity.Y", Quantity::Validity, valid);
+    image
 }
 
 /// 8-bit sRGB PNG of the total, and the irradiance of its white.

@@ -12,9 +12,11 @@ use crate::air::Air;
 use crate::atlas::Atlas;
 use crate::scene::Scene;
 use crate::solve::buffers::{PageBuffers, Validity};
+use crate::solve::lattice::Lattice;
+use crate::solve::points::LatticeLight;
 use bake_formats::error::Result;
 use bake_formats::float_image::{FloatImage, PixelFormat};
-use bake_formats::manifest::{EnvironmentRecord, ErrorEstimate, Manifest, PageRecord, Settings, Source};
+use bake_formats::manifest::{EnvironmentRecord, ErrorEstimate, Manifest, PageRecord, ProbeGrid, Settings, Source};
 use bake_formats::medium::{MediumRecord, density_image};
 use bake_formats::{PackageWriter, Term};
 use glam::Vec3;
@@ -34,6 +36,12 @@ pub struct Bake<'a> {
     pub pages: &'a [PageBuffers],
     /// The same before post-processing, when they are to be kept.
     pub raw: Option<&'a [PageBuffers]>,
+    /// Pages of the scene without air, after post-processing, when their total is to be kept.
+    pub vacuum: Option<&'a [PageBuffers]>,
+    /// Light at probes.
+    pub probes: Option<&'a LatticeLight>,
+    /// Light at the cells of the fog volume.
+    pub fog_volume: Option<&'a LatticeLight>,
 }
 
 /// What the manifest says about how it was baked.
@@ -60,9 +68,14 @@ pub fn write(folder: &Path, bake: Bake, record: &Record) -> Result<PathBuf> {
     let mut writer = PackageWriter::create(folder, &bake.scene.name)?;
     let mut manifest = Manifest::new(&bake.scene.name, record.source.clone(), Settings::new(record.settings.clone()));
     for (index, page) in bake.pages.iter().enumerate() {
-        let raw = bake.raw.map(|pages| &pages[index]);
-        manifest.pages.push(write_page(&mut writer, index, page, raw, record.pixels)?);
+        let beside = [bake.raw, bake.vacuum].map(|pages| pages.map(|pages| &pages[index]));
+        manifest.pages.push(write_page(&mut writer, index, page, beside, record.pixels)?);
     }
+    let mut lattice = |kind: &str, light: Option<&LatticeLight>, coefficients| {
+        light.map(|light| write_lattice(&mut writer, kind, &images::lattice(light, coefficients), light, record.pixels))
+    };
+    manifest.probes = lattice("probes", bake.probes, 9).transpose()?;
+    manifest.fog_volume = lattice("fog", bake.fog_volume, 4).transpose()?;
     let (baked, instances) = baked::scene(bake, &manifest.pages, lights::records(&bake.scene.lights));
     let path = folder.join(writer.file_name("baked.glb"));
     writer.add_bytes("baked.glb", &baked.to_bytes(&path)?)?;
@@ -82,7 +95,7 @@ fn write_page(
     writer: &mut PackageWriter,
     index: usize,
     page: &PageBuffers,
-    raw: Option<&PageBuffers>,
+    [raw, vacuum]: [Option<&PageBuffers>; 2],
     pixels: PixelFormat,
 ) -> Result<PageRecord> {
     let mut add = |kind: &str, image: FloatImage| writer.add_image(&format!("{kind}.{index:02}.exr"), &image, pixels);
@@ -90,10 +103,22 @@ fn write_page(
         width: page.width,
         height: page.height,
         lightmap: add("lightmap", images::lightmap(page))?,
-        terms: add("terms", images::terms(page))?,
+        terms: add("terms", images::terms(page, vacuum))?,
         sh1: images::sh1(page).map(|image| add("sh1", image)).transpose()?,
-        raw: raw.map(|raw| add("raw", images::terms(raw))).transpose()?,
+        raw: raw.map(|raw| add("raw", images::terms(raw, None))).transpose()?,
     })
+}
+
+fn write_lattice(
+    writer: &mut PackageWriter,
+    kind: &str,
+    image: &FloatImage,
+    light: &LatticeLight,
+    pixels: PixelFormat,
+) -> Result<ProbeGrid> {
+    let file = writer.add_image(&format!("{kind}.exr"), image, pixels)?;
+    let Lattice { origin, spacing, count } = light.lattice;
+    Ok(ProbeGrid { file, origin, spacing, count: count.to_array() })
 }
 
 /// Records of the media; density grids go into images, in full precision because they are no result.

@@ -172,7 +172,21 @@ fn write_scene(folder: &Path, scene: &Scene, pixels: PixelFormat) -> Package {
         reproducible: true,
         pixels,
     };
-    write(folder, Bake { scene, air: &air(), atlas: &atlas, pages: &pages, raw: None }, &record).unwrap();
+    write(
+        folder,
+        Bake {
+            scene,
+            air: &air(),
+            atlas: &atlas,
+            pages: &pages,
+            raw: None,
+            vacuum: None,
+            probes: None,
+            fog_volume: None,
+        },
+        &record,
+    )
+    .unwrap();
     Package::open(folder).unwrap()
 }
 

@@ -1,13 +1,15 @@
 //! What a bake will simulate and why, and what that will take: derived from scene, settings and atlas before any ray.
 
+mod lattices;
 mod mode;
 
+pub use lattices::Lattices;
 pub use mode::Choice;
 
 use crate::air::{self, Air};
 use crate::atlas::Atlas;
 use crate::scene::{AlphaMode, LightKind, Material, Scene};
-use crate::settings::Settings;
+use crate::settings::{Settings, SettingsError};
 use glam::Vec3;
 use serde::Serialize;
 
@@ -24,6 +26,8 @@ pub struct Plan {
     pub scene: SceneSize,
     /// What will be written.
     pub atlas: AtlasSize,
+    /// Where probes and the fog volume's cells lie.
+    pub lattices: Lattices,
     /// What it will take.
     pub cost: Cost,
 }
@@ -94,23 +98,39 @@ const USUAL_VERTICES: f64 = 2.5;
 /// Rays per second and thread: between the 2 million of a box of 46 triangles and a fraction of that in large scenes.
 const RAYS_PER_SECOND: f64 = 1e6;
 
+/// Bytes of a lattice's point: harmonics, those of every replicate, place and image.
+const LATTICE_POINT: u64 = 108 + 288 + 16 + 124;
+
 impl Plan {
     /// Derives the plan.
-    pub fn derive(scene: &Scene, air: &Air, settings: &Settings, atlas: &Atlas, threads: usize) -> Self {
+    ///
+    /// # Errors
+    /// More probes or cells than can be solved and stored.
+    pub fn derive(
+        scene: &Scene,
+        air: &Air,
+        settings: &Settings,
+        atlas: &Atlas,
+        threads: usize,
+    ) -> Result<Self, SettingsError> {
+        let lattices = Lattices::lay_out(scene, air, settings)?;
         let texels = atlas.pages.iter().map(|page| page.texels.len()).sum();
         let size = AtlasSize {
             pages: atlas.pages.iter().map(|page| [page.width, page.height]).collect(),
             texels,
             charts: atlas.layouts.iter().map(|layout| layout.charts).sum(),
         };
-        Self {
+        let mut cost = cost(scene, settings, atlas, texels + lattices.points() as usize, threads);
+        cost.memory_bytes += lattices.points() * LATTICE_POINT;
+        Ok(Self {
             effects: effects(scene, air, settings),
             media: air.summaries(),
             mode: (!air.is_empty()).then(|| Choice::derive(scene, air, settings)),
             scene: scene_size(scene, atlas),
-            cost: cost(scene, settings, atlas, texels, threads),
+            cost,
+            lattices,
             atlas: size,
-        }
+        })
     }
 }
 

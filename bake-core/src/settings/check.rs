@@ -1,6 +1,6 @@
 //! Whether values make sense: each is named with its allowed range where it does not.
 
-use super::{Bounds, Density, Medium, Phase, Scatter, Settings, SettingsError, Unlit};
+use super::{Bounds, Density, FogVolume, Medium, Phase, Probes, Scatter, Settings, SettingsError, Unlit};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
@@ -15,8 +15,11 @@ impl Settings {
         for (index, medium) in self.media.iter().flatten().enumerate() {
             medium.check(index)?;
         }
-        if let Some(probes) = self.probes {
-            range("probes.spacing_m", probes.spacing_m, 0.01..=1e4)?;
+        if let Some(probes) = &self.probes {
+            probes.check()?;
+        }
+        if let Some(FogVolume { spacing_m }) = self.fog_volume {
+            optional("fog_volume.spacing_m", spacing_m, 0.01..=1e4)?;
         }
         for (name, node) in &self.nodes {
             if let Some(density) = node.texels_per_m {
@@ -63,6 +66,33 @@ impl Settings {
         }
         range("light_scale", self.light_scale, 0.0..=1e9)?;
         range("light_radius_m", self.light_radius_m, 1e-6..=10.0)
+    }
+}
+
+impl Probes {
+    fn check(&self) -> Check {
+        range("probes.spacing_m", self.spacing_m, 0.01..=1e4)?;
+        if let Bounds::Box { min, max } = self.bounds {
+            channels("probes.bounds", min, -1e9..=1e9)?;
+            channels("probes.bounds", max, -1e9..=1e9)?;
+            if min.iter().zip(max).any(|(low, high)| *low > high) {
+                return Err(refusal("probes.bounds", format!("{min:?} to {max:?}"), "min not above max"));
+            }
+        } else if self.bounds != Bounds::Scene {
+            return Err(refusal("probes.bounds", format!("{:?}", self.bounds), "Scene, or Box(min: …, max: …)"));
+        }
+        match (self.origin, self.count) {
+            (None, None) => Ok(()),
+            (Some(origin), Some(count)) if self.bounds == Bounds::Scene => {
+                channels("probes.origin", origin, -1e9..=1e9)?;
+                count.into_iter().try_for_each(|count| range("probes.count", count, 1..=1 << 16))
+            }
+            (Some(_), Some(_)) => Err(refusal("probes.bounds", "a box", "no box beside `origin` and `count`")),
+            (origin, _) => {
+                let (there, missing) = if origin.is_some() { ("origin", "count") } else { ("count", "origin") };
+                Err(refusal(&format!("probes.{missing}"), "absent", format!("one beside `{there}`, or neither")))
+            }
+        }
     }
 }
 
@@ -195,6 +225,10 @@ mod tests {
             ("Bake(sky: (1, 1, 1), env: Env(file: \"a.hdr\"))", "one of the two"),
             ("Bake(sun: Sun(azimuth_deg: 0, elevation_deg: 91, lux: 1))", "`sun.elevation_deg` is 91"),
             ("Bake(unlit: Emit(-1))", "`unlit` is -1"),
+            ("Bake(probes: Probes(spacing_m: 0))", "`probes.spacing_m` is 0"),
+            ("Bake(probes: Probes(spacing_m: 1, origin: (0, 0, 0)))", "`probes.count` is absent"),
+            ("Bake(probes: Probes(spacing_m: 1, bounds: Unbounded))", "Scene, or Box"),
+            ("Bake(fog_volume: FogVolume(spacing_m: NaN))", "`fog_volume.spacing_m` is NaN"),
             ("Bake(nodes: {\"A\": Node(texels_per_m: 0)})", "`nodes.A.texels_per_m` is 0"),
             ("Bake(media: [Medium(scatter: Look(mean_free_path_m: 2, albedo: (1, 1, 2)))])", "media[0].scatter.albedo"),
             ("Bake(media: [Medium(scatter: Sigma(s: (1, 1, 1), a: (0, 0, 0)), phase: HenyeyGreenstein(1))])", "phase"),

@@ -77,6 +77,10 @@ pub struct Settings {
     pub media: Option<Vec<Medium>>,
     /// A grid of probes.
     pub probes: Option<Probes>,
+    /// Light in the air at the cells of a box around it.
+    pub fog_volume: Option<FogVolume>,
+    /// Also bake without the air, and keep that total beside the terms.
+    pub keep_vacuum: bool,
 
     /// Also write l ≤ 1 spherical harmonics of incident radiance.
     pub sh1: bool,
@@ -115,6 +119,8 @@ impl Default for Settings {
             mode: Mode::Auto,
             media: None,
             probes: None,
+            fog_volume: None,
+            keep_vacuum: false,
             sh1: false,
             half: false,
             keep_raw: false,
@@ -283,12 +289,29 @@ pub enum Unlit {
     Emit(f32),
 }
 
-/// A regular grid of probes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// A regular grid of probes: in the middles of equal cells that fill a box, or by hand from `origin` on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Probes {
-    /// Distance between probes, metres.
+    /// Distance between probes, metres; in a box at most that, so that cells fill it evenly.
     pub spacing_m: f32,
+    /// The box: `Scene` or `Box`.
+    #[serde(default)]
+    pub bounds: Bounds,
+    /// By hand: position of the probe with the smallest coordinates, metres.
+    #[serde(default)]
+    pub origin: Option<Rgb>,
+    /// By hand: probes along x, y and z.
+    #[serde(default)]
+    pub count: Option<[u32; 3]>,
+}
+
+/// A box of cells around the air, with light in their middles.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FogVolume {
+    /// Size of a cell at most, metres; 1/32 of the longest side when absent.
+    pub spacing_m: Option<f32>,
 }
 
 /// What differs for one node and its children.

@@ -34,7 +34,10 @@ Bake(
     // Air
     mode: Auto,             // how light in the air is solved: Walk (unbiased, slow), Grid (fast), Tables (fastest in rooms); Auto: the plan chooses
     media: None,            // [Medium(bounds: Scene, scatter: Look(mean_free_path_m: 20, albedo: (0.9, 0.9, 0.9)), phase: HenyeyGreenstein(0.3))]
-    probes: None,           // Probes(spacing_m: 1.0)
+    probes: None,           // Probes(spacing_m: 1.0): over the scene; with bounds: Box(min: (0, 0, 0), max: (4, 3, 4)) over a box;
+                            // with origin: (0.5, 0.5, 0.5), count: (4, 3, 4) exactly there
+    fog_volume: None,       // FogVolume(spacing_m: 0.5): light at cells around the air, for volumetric rendering
+    keep_vacuum: false,     // also the total without air, beside the terms
 
     // Output
     sh1: false,             // also spherical harmonics (l ≤ 1) for normal maps
@@ -80,7 +83,7 @@ mod tests {
             settings.check().unwrap_or_else(|error| panic!("{text}: {error}"));
             shown += 1;
         }
-        assert_eq!(shown, 7, "sky, sun, env, ies, media, probes and nodes show a value");
+        assert_eq!(shown, 8, "sky, sun, env, ies, media, probes, fog_volume and nodes show a value");
     }
 
     /// The bracketed value or record with which a comment begins, if it does.

@@ -67,7 +67,7 @@ impl LightGrid {
         counters: &mut [u64; 3],
         progress: &dyn Progress,
     ) -> Result<Self, Interrupted> {
-        let (min, max) = region(paths.media.set, paths.tracer);
+        let (min, max) = region(paths.media.set, paths.tracer.scene().bounds());
         let size = lattice(paths.media.set, min, max - min, settings.cells);
         let spacing = (max - min) / (size - 1).as_vec3();
         let mut grid = Self { min, spacing, size, nodes: vec![], clear: vec![] };
@@ -265,8 +265,7 @@ impl Media for Lit<'_, '_> {
 }
 
 /// The box in which light is gathered: around what scatters, or around the scene where that has no end.
-fn region(set: &MediumSet, tracer: &Tracer) -> (Vec3, Vec3) {
-    let [low, high] = tracer.scene().bounds();
+pub(crate) fn region(set: &MediumSet, [low, high]: [Vec3; 2]) -> (Vec3, Vec3) {
     // Air that goes on much farther than the scene is lit there as on the border.
     let margin = (high - low).max_element();
     let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);

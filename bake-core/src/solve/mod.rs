@@ -8,8 +8,10 @@ mod air;
 pub mod buffers;
 pub mod emitters;
 pub mod grid;
+pub mod lattice;
 pub mod media;
 pub mod path;
+pub mod points;
 pub mod sampler;
 pub mod sphere;
 pub mod tables;
@@ -24,8 +26,10 @@ use buffers::{PageBuffers, TermImage, Validity};
 use emitters::Emitters;
 use glam::Vec3;
 use grid::{GridSettings, LightGrid, Lit};
+use lattice::Lattice;
 use media::{Fog, Media, Vacuum};
 use path::{Counters, Gather, Gathered, Paths};
+use points::LatticeLight;
 use rayon::prelude::*;
 use sampler::{MAX_SAMPLES, Sampler, hash};
 use tables::TablePaths;
@@ -146,7 +150,99 @@ struct Estimate {
     sh1: [Vec3; 4],
 }
 
-/// Solves every page of the atlas.
+/// A scene and its air made ready: the light grid is filled where the mode asks for one.
+pub struct Solver<'a, 's> {
+    tracer: &'a Tracer<'s>,
+    air: Ready<'a>,
+    settings: &'a LightmapSettings,
+    /// Rays, shadow rays and cut paths that the grid took.
+    counts: [u64; 3],
+}
+
+/// The air, as paths meet it.
+enum Ready<'a> {
+    Vacuum,
+    Walk(Fog<'a>),
+    Grid(Fog<'a>, LightGrid),
+    /// Tables answer at surfaces; points in the air are walked.
+    Tables(&'a MediumSet, Fog<'a>),
+}
+
+impl<'a, 's> Solver<'a, 's> {
+    /// Makes ready.
+    ///
+    /// # Errors
+    /// [`Interrupted`] when the progress asks to stop.
+    pub fn prepare(
+        tracer: &'a Tracer<'s>,
+        media: &'a MediumSet,
+        settings: &'a LightmapSettings,
+        progress: &dyn Progress,
+    ) -> Result<Self, Interrupted> {
+        let (fog, mut counts) = (Fog::new(media), [0; 3]);
+        let air = match settings.mode {
+            _ if media.media.is_empty() => Ready::Vacuum,
+            Mode::Grid if fog.scatters => {
+                let emitters = Emitters::new(tracer);
+                let paths = paths(tracer, &emitters, &fog, settings);
+                let seed = hash(settings.seed, GRID_SEED);
+                let grid = LightGrid::solve(&paths, settings.grid, seed, &mut counts, progress)?;
+                Ready::Grid(fog, grid)
+            }
+            Mode::Tables if fog.scatters => Ready::Tables(media, fog),
+            _ => Ready::Walk(fog),
+        };
+        Ok(Self { tracer, air, settings, counts })
+    }
+
+    /// Solves every page of the atlas; the counts include the grid's.
+    ///
+    /// # Errors
+    /// [`Interrupted`] when the progress asks to stop; nothing is returned then.
+    pub fn lightmap(&self, atlas: &Atlas, progress: &dyn Progress) -> Result<Lightmap, Interrupted> {
+        let Self { tracer, settings, .. } = self;
+        let mut lightmap = match &self.air {
+            Ready::Vacuum => pages(tracer, &Vacuum, atlas, settings, progress)?,
+            Ready::Walk(fog) => pages(tracer, fog, atlas, settings, progress)?,
+            Ready::Tables(media, _) => by_tables(tracer, media, atlas, settings, progress)?,
+            Ready::Grid(fog, grid) => pages(tracer, &Lit::new(fog.clone(), grid, tracer), atlas, settings, progress)?,
+        };
+        lightmap.rays += self.counts[0];
+        lightmap.shadow_rays += self.counts[1];
+        lightmap.cut_paths += self.counts[2];
+        Ok(lightmap)
+    }
+
+    /// Solves the points of a lattice, to the same error as pages.
+    ///
+    /// # Errors
+    /// [`Interrupted`] when the progress asks to stop; nothing is returned then.
+    pub fn lattice(&self, lattice: &Lattice, progress: &dyn Progress) -> Result<LatticeLight, Interrupted> {
+        let Self { tracer, settings, .. } = self;
+        let emitters = Emitters::new(tracer);
+        match &self.air {
+            Ready::Vacuum => points::solve(&paths(tracer, &emitters, &Vacuum, settings), lattice, settings, progress),
+            Ready::Walk(fog) | Ready::Tables(_, fog) => {
+                points::solve(&paths(tracer, &emitters, fog, settings), lattice, settings, progress)
+            }
+            Ready::Grid(fog, grid) => {
+                let lit = Lit::new(fog.clone(), grid, tracer);
+                points::solve(&paths(tracer, &emitters, &lit, settings), lattice, settings, progress)
+            }
+        }
+    }
+}
+
+fn paths<'a, 's, M>(
+    tracer: &'a Tracer<'s>,
+    emitters: &'a Emitters<'s>,
+    media: &'a M,
+    settings: &LightmapSettings,
+) -> Paths<'a, 's, M> {
+    Paths { tracer, emitters, media, bounces: settings.bounces.unwrap_or(u32::MAX), sh1: false }
+}
+
+/// Solves every page of the atlas, and nothing else: see [`Solver`].
 ///
 /// # Errors
 /// [`Interrupted`] when the progress asks to stop; nothing is returned then.
@@ -157,24 +253,40 @@ pub fn lightmap(
     settings: &LightmapSettings,
     progress: &dyn Progress,
 ) -> Result<Lightmap, Interrupted> {
-    let (fog, mut counts) = (Fog::new(media), [0; 3]);
-    let mut lightmap = match settings.mode {
-        _ if media.media.is_empty() => pages(tracer, &Vacuum, atlas, settings, progress)?,
-        Mode::Grid if fog.scatters => {
-            let emitters = Emitters::new(tracer);
-            let bounces = settings.bounces.unwrap_or(u32::MAX);
-            let paths = Paths { tracer, emitters: &emitters, media: &fog, bounces, sh1: false };
-            let seed = hash(settings.seed, GRID_SEED);
-            let grid = LightGrid::solve(&paths, settings.grid, seed, &mut counts, progress)?;
-            pages(tracer, &Lit::new(fog, &grid, tracer), atlas, settings, progress)?
+    Solver::prepare(tracer, media, settings, progress)?.lightmap(atlas, progress)
+}
+
+/// Samples per replicate, round by round: as many more as the error asks for, at most four times as many.
+struct Rounds {
+    done: u32,
+    next: u32,
+    cap: u32,
+    target: f32,
+}
+
+impl Rounds {
+    fn new(settings: &LightmapSettings) -> Self {
+        let per_replicate = |samples: u32| samples.div_ceil(REPLICATES as u32).clamp(1, MAX_SAMPLES);
+        let (floor, cap) = (per_replicate(settings.min_samples), per_replicate(settings.max_samples));
+        Self { done: 0, next: floor.min(cap), cap, target: settings.target_error }
+    }
+
+    /// Those of this round.
+    fn samples(&self) -> std::ops::Range<u32> {
+        self.done..self.next
+    }
+
+    /// Whether another round is wanted after one that left `error`; [`Self::samples`] are that round's then.
+    fn go_on(&mut self, error: f32) -> bool {
+        if error <= self.target || self.next == self.cap {
+            return false;
         }
-        Mode::Tables if fog.scatters => by_tables(tracer, media, atlas, settings, progress)?,
-        _ => pages(tracer, &fog, atlas, settings, progress)?,
-    };
-    lightmap.rays += counts[0];
-    lightmap.shadow_rays += counts[1];
-    lightmap.cut_paths += counts[2];
-    Ok(lightmap)
+        self.done = self.next;
+        let wanted = f64::from(self.done) * f64::from(error / self.target).powi(2) * 1.05;
+        let most = self.done.saturating_mul(4);
+        self.next = (wanted.min(1e9) as u32).clamp(self.done + self.done.div_ceil(4), most).min(self.cap);
+        true
+    }
 }
 
 fn pages<M: Media>(
@@ -185,8 +297,7 @@ fn pages<M: Media>(
     progress: &dyn Progress,
 ) -> Result<Lightmap, Interrupted> {
     let emitters = Emitters::new(tracer);
-    let bounces = settings.bounces.unwrap_or(u32::MAX);
-    let paths = Paths { tracer, emitters: &emitters, media, bounces, sh1: settings.sh1 };
+    let paths = Paths { sh1: settings.sh1, ..paths(tracer, &emitters, media, settings) };
     solve_pages(&paths, atlas, settings, progress)
 }
 
@@ -200,8 +311,7 @@ fn by_tables(
     progress.stage("measure factors", 1);
     let (emitters, reduced) = (Emitters::new(tracer), tables::medium::reduce(media));
     let tabled = Tabled::new(&reduced);
-    let bounces = settings.bounces.unwrap_or(u32::MAX);
-    let paths = Paths { tracer, emitters: &emitters, media: &tabled, bounces, sh1: false };
+    let paths = paths(tracer, &emitters, &tabled, settings);
     let paths = TablePaths::new(paths, tables::factors::Effort::default(), hash(settings.seed, FACTORS_SEED));
     progress.advance(1);
     solve_pages(&paths, atlas, settings, progress)
@@ -234,20 +344,15 @@ impl<G: Gather> PageSolver<'_, G> {
     fn solve(&self, lightmap: &mut Lightmap) -> Result<(), Interrupted> {
         let starts = self.starts()?;
         let mut estimates = vec![Estimate::default(); starts.len()];
-        let per_replicate = |samples: u32| samples.div_ceil(REPLICATES as u32).clamp(1, MAX_SAMPLES);
-        let (floor, cap) = (per_replicate(self.settings.min_samples), per_replicate(self.settings.max_samples));
-        let (mut done, mut next) = (0, floor.min(cap));
+        let mut rounds = Rounds::new(self.settings);
         loop {
-            self.round(&starts, &mut estimates, done..next, lightmap)?;
-            done = next;
-            let report = self.report(&starts, &estimates, done * REPLICATES as u32);
-            if report.error <= self.settings.target_error || done == cap {
+            self.round(&starts, &mut estimates, rounds.samples(), lightmap)?;
+            let report = self.report(&starts, &estimates, rounds.samples().end * REPLICATES as u32);
+            if !rounds.go_on(report.error) {
                 lightmap.reports.push(report);
                 lightmap.pages.push(self.buffers(&starts, &estimates, report.samples));
                 return Ok(());
             }
-            let wanted = f64::from(done) * f64::from(report.error / self.settings.target_error).powi(2) * 1.05;
-            next = (wanted.min(1e9) as u32).clamp(done + done.div_ceil(4), done.saturating_mul(4)).min(cap);
         }
     }
 

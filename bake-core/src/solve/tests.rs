@@ -2,6 +2,7 @@
 
 mod air_laws;
 mod fog;
+mod points;
 mod tables;
 
 use super::*;

@@ -8,7 +8,7 @@ use super::path::Vertex;
 use super::sampler::hash;
 use super::warp;
 use crate::atlas::{Page, SurfacePoint, Texel};
-use crate::trace::{Ray, Tracer};
+use crate::trace::{Hit, Ray, Tracer};
 use glam::{Vec2, Vec3};
 
 /// Rays per surface point.
@@ -94,7 +94,11 @@ fn is_buried(tracer: &Tracer, vertex: &Vertex, seed: u32) -> bool {
 
 /// Whether a ray meets the back of a single-sided surface.
 pub fn meets_back(tracer: &Tracer, ray: &Ray) -> bool {
-    let Some(hit) = tracer.closest_hit(ray) else { return false };
+    tracer.closest_hit(ray).is_some_and(|hit| is_back(tracer, &hit))
+}
+
+/// Whether a hit is the back of a single-sided surface.
+pub fn is_back(tracer: &Tracer, hit: &Hit) -> bool {
     let material = tracer.scene().material_at(hit.instance, hit.triangle);
     hit.back_face && !material.double_sided && material.transmission == 0.0
 }
