@@ -273,6 +273,6 @@ mod tests {
             }
             stated += 1;
         }
-        assert_eq!(stated, 12);
+        assert_eq!(stated, 13);
     }
 }

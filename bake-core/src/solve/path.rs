@@ -90,6 +90,23 @@ pub struct Paths<'a, 's, M> {
     pub sh1: bool,
 }
 
+/// A draw towards emitters.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Draw {
+    pub strategy: Strategy,
+    /// Probability with which this strategy was taken among all.
+    pub share: f32,
+    /// At the start of a path, where directions may be drawn in another way than later.
+    pub is_first: bool,
+}
+
+impl Draw {
+    /// One of the draws of all strategies that the start makes.
+    pub fn first(strategy: Strategy) -> Self {
+        Self { strategy, share: 1.0, is_first: true }
+    }
+}
+
 /// What a ray arrives at.
 pub(super) struct Arrival {
     pub(super) hit: Option<(Hit, Place, Surface)>,
@@ -156,7 +173,7 @@ impl<M: Media> Paths<'_, '_, M> {
         let mut gathered = Gathered::default();
         for &strategy in self.emitters.strategies() {
             let [u, v, w, _] = sampler.next4();
-            if let Some((irradiance, dir, cos)) = self.draw(strategy, 1.0, start, [u, v, w], counters) {
+            if let Some((irradiance, dir, cos)) = self.draw(Draw::first(strategy), start, [u, v, w], counters) {
                 gathered.terms[Term::Direct as usize] += irradiance * cos;
                 self.project(&mut gathered.sh1, dir, irradiance);
             }
@@ -237,8 +254,8 @@ impl<M: Media> Paths<'_, '_, M> {
                 draws = 1.0 / strategies.len() as f32;
                 let place = pick * strategies.len() as f32;
                 let strategy = strategies[(place as usize).min(strategies.len() - 1)];
-                if let Some((irradiance, _, cos)) = self.draw(strategy, draws, &vertex, [place.fract(), u, v], counters)
-                {
+                let draw = Draw { strategy, share: draws, is_first: false };
+                if let Some((irradiance, _, cos)) = self.draw(draw, &vertex, [place.fract(), u, v], counters) {
                     radiance[last_leg.of_emitter()] += throughput * irradiance * (cos / PI);
                 }
             }
@@ -293,12 +310,11 @@ impl<M: Media> Paths<'_, '_, M> {
         }
     }
 
-    /// One draw of a strategy made with probability `draws`: irradiance on a surface perpendicular to the way, the
-    /// direction, and the cosine at the vertex.
+    /// One draw of a strategy: irradiance on a surface perpendicular to the way, the direction, and the cosine at the
+    /// vertex.
     pub(super) fn draw(
         &self,
-        strategy: Strategy,
-        draws: f32,
+        Draw { strategy, share, is_first }: Draw,
         vertex: &Vertex,
         u: [f32; 3],
         counters: &Counters,
@@ -322,14 +338,14 @@ impl<M: Media> Paths<'_, '_, M> {
             return None;
         }
         let passed = passed * self.through_air(&ray, dir);
-        let weight = pdf.map_or(1.0, |pdf| power_heuristic(draws * pdf, self.direction_pdf(cos, draws < 1.0)));
-        Some((irradiance * passed * (weight / draws), dir, cos))
+        let weight = pdf.map_or(1.0, |pdf| power_heuristic(share * pdf, self.direction_pdf(cos, is_first)));
+        Some((irradiance * passed * (weight / share), dir, cos))
     }
 
     /// Density with which the other strategy would have followed a direction at `cos` from the normal.
-    fn direction_pdf(&self, cos: f32, is_later_vertex: bool) -> f32 {
+    fn direction_pdf(&self, cos: f32, is_first: bool) -> f32 {
         let cosine = warp::cosine_pdf(cos);
-        if M::MIXED || (self.sh1 && !is_later_vertex) { 0.5 * cosine + 0.5 / TAU } else { cosine }
+        if M::MIXED || (self.sh1 && is_first) { 0.5 * cosine + 0.5 / TAU } else { cosine }
     }
 
     /// Straight on to the next surface that does not let the ray through.

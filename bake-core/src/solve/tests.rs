@@ -144,6 +144,23 @@ fn a_furnace_gives_its_partial_sums() {
     worst("all bounces", &lightmap.pages[0], 2e-3, |_, _| f64::from(PI) / (1.0 - f64::from(albedo))).check();
 }
 
+/// Harmonics change how the first direction is drawn, and that alone.
+#[test]
+fn a_furnace_with_harmonics_gives_the_same_sum() {
+    let albedo = 0.6;
+    let mut wall = matte(albedo);
+    wall.emission = Vec3::ONE;
+    let room = closed_box(Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 2.0, 1.0), true, 0);
+    let scene = lifted(&scene(vec![floor(1), room], vec![wall, wall_floor(albedo)]));
+    let settings =
+        LightmapSettings { target_error: 0.0, min_samples: 2048, max_samples: 2048, sh1: true, ..Default::default() };
+    let air = MediumSet::default();
+    let lightmap = lightmap(&Tracer::new(&scene), &air, &quad_atlas(SIZE), &settings, &Silent).unwrap();
+    let exact = f64::from(PI) / (1.0 - f64::from(albedo));
+    worst("furnace with harmonics", &lightmap.pages[0], 2e-3, |_, _| exact).check();
+    assert!(!worst("2 % off", &lightmap.pages[0], 2e-3, |_, _| 1.02 * exact).holds());
+}
+
 fn wall_floor(albedo: f32) -> crate::scene::Material {
     let mut floor = matte(albedo);
     floor.emission = Vec3::ONE;

@@ -16,7 +16,7 @@ mod stray;
 
 use super::emitters::Strategy;
 use super::media::Media;
-use super::path::{Counters, Gather, Gathered, Paths, Vertex};
+use super::path::{Counters, Draw, Gather, Gathered, Paths, Vertex};
 use super::sampler::Sampler;
 use crate::trace::Tracer;
 use ahead::Ahead;
@@ -185,7 +185,12 @@ impl<'a, 's> TablePaths<'a, 's> {
             if !strategies.is_empty() {
                 let place = pick * strategies.len() as f32;
                 let strategy = strategies[(place as usize).min(strategies.len() - 1)];
-                let drawn = self.view.paths.draw(strategy, draws, &vertex, [place.fract(), u, v], counters);
+                let drawn = self.view.paths.draw(
+                    Draw { strategy, share: draws, is_first: false },
+                    &vertex,
+                    [place.fract(), u, v],
+                    counters,
+                );
                 arrived += drawn.map_or(Vec3::ZERO, |(irradiance, _, cos)| irradiance * cos);
             }
             let [once, more] = self.lit_through_air(&vertex, false, air, counters);
@@ -237,7 +242,7 @@ impl Gather for TablePaths<'_, '_> {
         let paths = &self.view.paths;
         for &strategy in paths.emitters.strategies() {
             let [u, v, w, _] = sampler.next4();
-            let drawn = paths.draw(strategy, 1.0, start, [u, v, w], counters);
+            let drawn = paths.draw(Draw::first(strategy), start, [u, v, w], counters);
             terms[Term::Direct as usize] += drawn.map_or(Vec3::ZERO, |(irradiance, _, cos)| irradiance * cos);
         }
         let mut air = sampler.fork();
