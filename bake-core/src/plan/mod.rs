@@ -1,14 +1,16 @@
 //! What a bake will simulate and why, and what that will take: derived from scene, settings and atlas before any ray.
 
+mod effects;
 mod lattices;
 mod mode;
 
+pub use effects::Effect;
 pub use lattices::Lattices;
 pub use mode::Choice;
 
 use crate::air::{self, Air};
 use crate::atlas::Atlas;
-use crate::scene::{AlphaMode, LightKind, Material, Scene};
+use crate::scene::Scene;
 use crate::settings::{Settings, SettingsError};
 use glam::Vec3;
 use serde::Serialize;
@@ -30,17 +32,6 @@ pub struct Plan {
     pub lattices: Lattices,
     /// What it will take.
     pub cost: Cost,
-}
-
-/// Something that light may do.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Effect {
-    /// Name.
-    pub name: &'static str,
-    /// Whether it is simulated.
-    pub on: bool,
-    /// The reason.
-    pub why: String,
 }
 
 /// Size of the scene.
@@ -123,7 +114,7 @@ impl Plan {
         let mut cost = cost(scene, settings, atlas, texels + lattices.points() as usize, threads);
         cost.memory_bytes += lattices.points() * LATTICE_POINT;
         Ok(Self {
-            effects: effects(scene, air, settings),
+            effects: effects::derive(scene, air, settings),
             media: air.summaries(),
             mode: (!air.is_empty()).then(|| Choice::derive(scene, air, settings)),
             scene: scene_size(scene, atlas),
@@ -131,45 +122,6 @@ impl Plan {
             lattices,
             atlas: size,
         })
-    }
-}
-
-fn effects(scene: &Scene, air: &Air, settings: &Settings) -> Vec<Effect> {
-    let near = scene.lights.iter().filter(|light| !matches!(light.kind, LightKind::Directional { .. })).count();
-    let materials = |name, test: fn(&Material) -> bool| {
-        Effect::counted(name, scene.materials.iter().filter(|material| test(material)).count(), "material")
-    };
-    vec![
-        Effect::counted("point and spot lights", near, "light"),
-        Effect::counted("directional lights", scene.lights.len() - near, "light"),
-        materials("emissive surfaces", |m| m.emission != Vec3::ZERO),
-        Effect::counted("environment", usize::from(scene.environment.is_some()), "sky or environment image"),
-        Effect {
-            name: "reflected light",
-            on: settings.bounces != Some(0),
-            why: match settings.bounces {
-                None => "unlimited reflections under Russian roulette".into(),
-                Some(count) => format!("bounces is {count}"),
-            },
-        },
-        materials("cut-out and see-through", |m| m.alpha_mode != AlphaMode::Opaque),
-        materials("transmission", |m| m.transmission > 0.0),
-        materials("diffuse transmission", |m| m.diffuse_transmission > 0.0),
-        materials("absorption in volumes", |m| m.volume_sigma_a != Vec3::ZERO),
-        Effect::counted("fog", air.names.len(), "medium"),
-    ]
-}
-
-impl Effect {
-    /// On where there is at least one of what it takes.
-    fn counted(name: &'static str, count: usize, what: &str) -> Self {
-        let plural = match what {
-            "medium" if count > 1 => "media".into(),
-            what if count > 1 => format!("{what}s"),
-            what => what.to_owned(),
-        };
-        let why = if count == 0 { format!("no {what}") } else { format!("{count} {plural}") };
-        Self { name, on: count > 0, why }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Which solver the air calls for.
 
-use crate::air::Air;
+use crate::air::{self, Air};
 use crate::scene::{LightKind, Scene};
 use crate::settings::{self, Settings};
 use crate::solve::Mode;
@@ -61,13 +61,53 @@ impl Choice {
     }
 }
 
-/// Largest optical depth across a medium's box at density 1, and the grid cells that it takes.
+/// Side of the largest scattering region within the scene in mean free paths where it is densest, and the grid cells
+/// that it takes.
 fn optical_size(air: &Air) -> (f64, f64) {
-    let across = |medium: &bake_optics::medium::Medium| {
+    let across = |(medium, summary): (&bake_optics::medium::Medium, air::Summary)| {
         let [low, high] = medium.bounds.bounding_box();
         let size = (high.min(air.scene[1]) - low.max(air.scene[0])).max_element().max(0.0);
-        size * medium.scatter.sigma_t().into_iter().fold(0.0, f64::max)
+        size * summary.peak_density * medium.scatter.sigma_t().into_iter().fold(0.0, f64::max)
     };
-    let size = air.media.media.iter().map(across).fold(0.0, f64::max);
+    let size = air.media.media.iter().zip(air.summaries()).map(across).fold(0.0, f64::max);
     (size, size / MOST_FREE_PATHS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Light;
+    use bake_optics::medium::{Bounds, Medium, MediumSet, Scatter};
+    use bake_optics::phase::Phase;
+    use glam::{DVec3, Vec3};
+
+    fn choose(sigma_s: f64, sigma_a: f64, g: f64, has_sun: bool) -> Mode {
+        let bounds = Bounds::Box { min: DVec3::ZERO, max: DVec3::splat(2.0) };
+        let scatter = Scatter { sigma_s: [sigma_s; 3], sigma_a: [sigma_a; 3] };
+        let medium = Medium { bounds, scatter, phase: Phase::HenyeyGreenstein { g }, ..Medium::default() };
+        let scene = [DVec3::ZERO, DVec3::splat(2.0)];
+        let air = Air { media: MediumSet { media: vec![medium] }, names: vec!["fog".into()], scene };
+        let kind = LightKind::Directional { direction: Vec3::NEG_Y, angular_radius: 0.0 };
+        let sun = Light { path: "sun".into(), color: Vec3::ONE, kind };
+        let scene = Scene { lights: if has_sun { vec![sun] } else { vec![] }, ..Scene::default() };
+        Choice::derive(&scene, &air, &Settings::default()).mode
+    }
+
+    #[test]
+    fn the_air_decides() {
+        assert_eq!(choose(0.001, 0.0, 0.0, false), Mode::Walk, "thin");
+        assert_eq!(choose(1.0, 0.0, 0.0, false), Mode::Grid, "usual");
+        assert_eq!(choose(100.0, 0.0, 0.0, false), Mode::Walk, "thick");
+        assert_eq!(choose(0.0, 5.0, 0.0, false), Mode::Walk, "nothing scatters");
+        assert_eq!(choose(1.0, 0.0, 0.8, false), Mode::Grid, "peaked, but no sharp light");
+        assert_eq!(choose(1.0, 0.0, 0.8, true), Mode::Walk, "peaked under a sun");
+    }
+
+    #[test]
+    fn what_is_set_is_done() {
+        let settings = Settings { mode: settings::Mode::Walk, ..Settings::default() };
+        let medium = Medium { scatter: Scatter { sigma_s: [1.0; 3], sigma_a: [0.0; 3] }, ..Medium::default() };
+        let air = Air { media: MediumSet { media: vec![medium] }, names: vec!["fog".into()], ..Air::default() };
+        assert_eq!(Choice::derive(&Scene::default(), &air, &settings).mode, Mode::Walk);
+    }
 }
