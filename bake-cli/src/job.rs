@@ -1,59 +1,39 @@
-//! What `run` and `plan` share: the scene loaded, judged and laid out, with the warnings on the way.
+//! What `run`, `plan` and `study` work on: a scene made ready, its errors told as the program tells them.
 
 use crate::commands::later;
 use crate::exit::Failure;
 use crate::input::Input;
 use crate::progress::Progress;
 use crate::report::Stopwatch;
-use bake_core::air::{self, Air, AirError};
-use bake_core::atlas::{self, Atlas, AtlasError};
+use bake_core::air::AirError;
+use bake_core::atlas::AtlasError;
+pub use bake_core::job::Job;
+use bake_core::job::JobError;
 use bake_core::progress::Progress as _;
-use bake_core::scene::{self, Scene};
-use bake_core::settings::{Settings, suggest};
+use bake_core::settings::Settings;
 
-/// A scene that is ready to be baked.
-pub struct Job {
-    /// Everything that was set.
-    pub settings: Settings,
-    /// The checked scene.
-    pub scene: Scene,
-    /// The air in it.
-    pub air: Air,
-    /// Its layout.
-    pub atlas: Atlas,
-    /// What the user should know.
-    pub warnings: Vec<String>,
+/// Loads and lays out.
+pub fn prepare(input: &Input, progress: &Progress, stopwatch: &mut Stopwatch) -> Result<Job, Failure> {
+    let settings = input.settings()?;
+    refuse_later(&settings)?;
+    let job = Job::prepare(&input.file, settings, progress)?;
+    job.seconds.iter().for_each(|&(stage, seconds)| stopwatch.add(stage, seconds));
+    Ok(job)
 }
 
-impl Job {
-    /// Loads and lays out; warnings go to `progress` at once unless it is quiet.
-    pub fn prepare(input: &Input, progress: &Progress, stopwatch: &mut Stopwatch) -> Result<Self, Failure> {
-        let mut settings = input.settings()?;
-        refuse_later(&settings)?;
-        progress.stage("load", 0);
-        let loaded = stopwatch.time("load", || scene::load(&input.file, &settings.load_options()));
-        let (mut scene, warnings) = loaded.map_err(Failure::invalid)?;
-        let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-        let unused = settings.choose_lightmapped(&mut scene);
-        warnings.extend(unused.iter().map(|key| unknown_node(key, &scene)));
-        settings.adopt_media(&scene)?;
-        let (air, notes) = stopwatch.time("air", || air::resolve(&settings, &mut scene))?;
-        warnings.extend(notes.iter().map(ToString::to_string));
-        stop_if_interrupted(progress)?;
-
-        if !scene.instances.iter().any(|instance| instance.lightmapped) {
-            let text = format!("nothing in {} takes a lightmap", input.file.display());
-            let help =
-                "give some to nodes with `--nodes NAME:lightmap=true`, or to GPU instances with `--bake-instanced`";
-            return Err(Failure::wrong(text, help));
+impl From<JobError> for Failure {
+    fn from(error: JobError) -> Self {
+        match error {
+            JobError::Settings(error) => error.into(),
+            JobError::Air(error) => error.into(),
+            JobError::Atlas(error) => error.into(),
+            JobError::Interrupted(error) => error.into(),
+            error @ JobError::NothingToBake { .. } => Self::wrong(
+                error.to_string(),
+                "give some to nodes with `--nodes NAME:lightmap=true`, or to GPU instances with `--bake-instanced`",
+            ),
+            JobError::Scene(error) => Self::invalid(error),
         }
-        progress.stage("atlas", 0);
-        let built = stopwatch.time("atlas", || atlas::build(&scene, &settings.atlas_settings()));
-        let (atlas, notes) = built.map_err(Failure::from)?;
-        let already_told = |note: &atlas::AtlasWarning| matches!(note, atlas::AtlasWarning::UnknownNode { .. });
-        warnings.extend(notes.iter().filter(|note| !already_told(note)).map(ToString::to_string));
-        stop_if_interrupted(progress)?;
-        Ok(Self { settings, scene, air, atlas, warnings })
     }
 }
 
@@ -83,11 +63,4 @@ fn refuse_later(settings: &Settings) -> Result<(), Failure> {
         return Err(later::refuse("`--time-budget`"));
     }
     Ok(())
-}
-
-fn unknown_node(key: &str, scene: &Scene) -> String {
-    let names: Vec<&str> = scene.instances.iter().flat_map(|instance| instance.path.split('/')).collect();
-    let hint = suggest(key, &names);
-    let hint = if hint.starts_with("did you mean") { format!("; {hint}") } else { String::new() };
-    format!("the settings name the node `{key}`, which carries no mesh{hint}")
 }

@@ -29,8 +29,13 @@ impl Stopwatch {
     pub fn time<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
         let start = Instant::now();
         let result = work();
-        self.0.push(Stage { name, seconds: start.elapsed().as_secs_f64() });
+        self.add(name, start.elapsed().as_secs_f64());
         result
+    }
+
+    /// Keeps the time of a stage that was taken elsewhere.
+    pub fn add(&mut self, name: &'static str, seconds: f64) {
+        self.0.push(Stage { name, seconds });
     }
 }
 

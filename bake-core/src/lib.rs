@@ -7,6 +7,7 @@
 pub mod air;
 pub mod atlas;
 pub mod fingerprint;
+pub mod job;
 pub mod package;
 pub mod plan;
 pub mod post;

@@ -5,7 +5,7 @@ use crate::exit::{Failure, Outcome};
 use crate::flags::RARE;
 use crate::input::{HELP_TEMPLATE, Input};
 use crate::interrupt::Interrupt;
-use crate::job::Job;
+use crate::job;
 use crate::plan_text;
 use crate::progress::Progress;
 use crate::report::Stopwatch;
@@ -27,7 +27,7 @@ pub struct Args {
 /// Plans.
 pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     let progress = Progress::new(global, Interrupt::listen());
-    let prepared = Job::prepare(&args.input, &progress, &mut Stopwatch::default());
+    let prepared = job::prepare(&args.input, &progress, &mut Stopwatch::default());
     progress.finish();
     let job = prepared?;
     if !global.quiet {

@@ -5,7 +5,7 @@ use crate::exit::{Failure, Outcome};
 use crate::flags::RARE;
 use crate::input::{HELP_TEMPLATE, Input};
 use crate::interrupt::Interrupt;
-use crate::job::{Job, stop_if_interrupted};
+use crate::job::{self, Job, stop_if_interrupted};
 use crate::output::{Output, Pages};
 use crate::plan_text;
 use crate::progress::Progress;
@@ -54,7 +54,7 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
 
 fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, Failure> {
     let mut stopwatch = Stopwatch::default();
-    let mut job = Job::prepare(&args.input, progress, &mut stopwatch)?;
+    let mut job = job::prepare(&args.input, progress, &mut stopwatch)?;
     // An output that cannot be written is told before hours of tracing, not after.
     let folder = args.output.clone().unwrap_or_else(|| args.input.file.with_extension("bake"));
     let output = Output::open(&folder, &job.scene.name)?;
