@@ -3,14 +3,16 @@
 //! Values that may be absent take `none`. Records are written `key=value,key=value`, colours `0.5` or `0.5/0.4/0.3`.
 
 use crate::values::{self, Given};
-use bake_core::settings::{Env, FogVolume, LightUnits, Medium, Mode, Node, Probes, Quality, Rgb, Settings, Sun, Unlit};
+use bake_core::settings::{
+    EffectName, Env, FogVolume, LightUnits, Medium, Mode, Node, Probes, Quality, Rgb, Settings, Sun, Unlit,
+};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
 
 /// The flags that the help leaves out to fit a screen; the file that `bake init` writes explains them.
 pub const RARE: &str = "\
-More: --scene, --padding, --nodes, --bake-instanced, --light-scale, --light-radius-m, --unlit, --probes, --fog-volume,
---keep-vacuum, --half, --keep-raw. `bake init SCENE` writes a file that explains every setting; each is a flag too.";
+More: --scene, --padding, --nodes, --bake-instanced, --light-scale, --light-radius-m, --unlit, --tolerance,
+--force-effect, --probes, --fog-volume, --keep-vacuum, --half, --keep-raw. `bake init SCENE` writes a file that explains every setting; each is a flag too.";
 
 /// The flags.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -80,6 +82,12 @@ pub struct SettingsFlags {
     /// Unlit materials: black (only block light), reflect, emit=CD_PER_M2 [default: black]
     #[arg(hide = true, long, value_name = "HOW", help_heading = "Light", value_parser = values::unlit)]
     unlit: Option<Unlit>,
+    /// Leave out what provably adds less than this share of the median irradiance [default: 0.001]
+    #[arg(hide = true, long, value_name = "SHARE", help_heading = "Accuracy", value_parser = values::share)]
+    tolerance: Option<f32>,
+    /// Simulate an effect, or leave it out, whatever the plan would choose: multiple=off, colour=on; may be repeated
+    #[arg(hide = true, long, value_name = "EFFECT=ON|OFF", help_heading = "Accuracy", value_parser = values::forced)]
+    force_effect: Vec<(EffectName, bool)>,
     /// How light in the air is solved: auto, walk, grid, tables [default: auto]
     #[arg(long, value_name = "MODE", help_heading = "Air", value_parser = one_of(Mode::ALL), hide_possible_values = true)]
     pub mode: Option<Mode>,
@@ -132,6 +140,8 @@ impl SettingsFlags {
         set(&mut settings.bake_instanced, flags.bake_instanced);
         set(&mut settings.scene, flags.scene);
         self.apply_light(settings);
+        set(&mut settings.tolerance, flags.tolerance);
+        settings.force_effect.extend(flags.force_effect);
         set(&mut settings.mode, flags.mode);
         // `none` is air without media, not the glTF file's.
         if let Some(Given(media)) = flags.media {
@@ -186,7 +196,7 @@ mod tests {
     }
 
     /// Every key with a flag value that is not its default.
-    const NOT_DEFAULT: [(&str, &str); 29] = [
+    const NOT_DEFAULT: [(&str, &str); 31] = [
         ("quality", "--quality final"),
         ("target_error", "--target-error 1.5%"),
         ("samples", "--samples 64"),
@@ -207,6 +217,8 @@ mod tests {
         ("ies", "--ies Lamp=lamp.ies"),
         ("unlit", "--unlit reflect"),
         ("bake_instanced", "--bake-instanced"),
+        ("tolerance", "--tolerance 1%"),
+        ("force_effect", "--force-effect multiple=off"),
         ("mode", "--mode walk"),
         ("media", "--fog sigma_t=0.5,albedo=0.9"),
         ("probes", "--probes 2"),
@@ -273,6 +285,6 @@ mod tests {
             }
             stated += 1;
         }
-        assert_eq!(stated, 13);
+        assert_eq!(stated, 14);
     }
 }

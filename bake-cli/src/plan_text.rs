@@ -37,7 +37,7 @@ pub fn text(name: &str, plan: &Plan) -> String {
     }
     for effect in &plan.effects {
         let state = if effect.on { "on " } else { "off" };
-        line("effect", format!("{state} {:<24} {}", effect.name, effect.why));
+        line("effect", format!("{state} {:<31} {:<10} {}", effect.name, bound(effect.bound), effect.why));
     }
     for (name, lattice) in [("probes", plan.lattices.probes), ("cells", plan.lattices.fog_volume)] {
         if let Some(lattice) = lattice {
@@ -67,13 +67,24 @@ pub fn text(name: &str, plan: &Plan) -> String {
     text
 }
 
-/// A medium in two lines.
+/// The most that an effect contributes, as a share of the median.
+pub fn bound(bound: f64) -> String {
+    match bound {
+        0.0 => "-".into(),
+        share if share.is_infinite() => "unbounded".into(),
+        share if share >= 0.1 => format!("≤ {:.0} %", 100.0 * share),
+        share => format!("≤ {} %", number(100.0 * share)),
+    }
+}
+
+/// A lattice in one line.
 fn lattice_text(lattice: &Lattice) -> String {
     let ([x, y, z], spacing) = (lattice.count.to_array(), lattice.spacing.as_dvec3());
     let spacing = channels(spacing.to_array(), number);
     format!("{} points, {x} × {y} × {z} from {} m, {spacing} m apart", lattice.points(), lattice.origin)
 }
 
+/// A medium in two lines.
 fn medium_text(medium: &Summary) -> String {
     let path = |path: Option<f64>| path.map_or("endless".into(), |path| format!("{} m", number(path)));
     format!(

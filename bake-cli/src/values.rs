@@ -1,7 +1,7 @@
 //! The values of flags that are more than a number or a name, from text. Ranges are judged with the settings.
 
 use bake_core::settings::{
-    Bounds, Density, Env, FogVolume, Medium, Node, Phase, Probes, Rgb, Scatter, Sun, Unlit, suggest,
+    Bounds, Density, EffectName, Env, FogVolume, Medium, Node, Phase, Probes, Rgb, Scatter, Sun, Unlit, suggest,
 };
 use std::fmt::Display;
 use std::path::PathBuf;
@@ -39,6 +39,19 @@ pub fn share(text: &str) -> Result<f32, String> {
     match text.strip_suffix('%') {
         Some(percent) => Ok(number::<f32>(percent)? / 100.0),
         None => number(text),
+    }
+}
+
+/// `EFFECT=on` or `EFFECT=off`.
+pub fn forced(text: &str) -> Result<(EffectName, bool), String> {
+    let (name, state) = text.split_once('=').ok_or(format!("`{text}` is no EFFECT=on or EFFECT=off"))?;
+    let names = EffectName::ALL.map(|(name, _)| name);
+    let known = EffectName::ALL.iter().find(|(known, _)| *known == name);
+    let (_, effect) = known.ok_or_else(|| format!("unknown effect `{name}`; {}", suggest(name, &names)))?;
+    match state {
+        "on" => Ok((*effect, true)),
+        "off" => Ok((*effect, false)),
+        _ => Err(format!("`{state}` is neither `on` nor `off`")),
     }
 }
 
@@ -222,6 +235,14 @@ mod tests {
         for wrong in ["", "m", "10 parsecs", "1:30"] {
             assert!(seconds(wrong).is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn effects_are_forced_by_name() {
+        assert_eq!(forced("multiple=off"), Ok((EffectName::Multiple, false)));
+        assert!(forced("multipel=off").unwrap_err().contains("did you mean `multiple`?"));
+        assert!(forced("colour=maybe").unwrap_err().contains("neither"));
+        assert!(forced("colour").unwrap_err().contains("EFFECT=on"));
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! `bake plan`: what a bake would do, and its sizes, memory and time; nothing is traced.
+//! `bake plan`: what a bake would do, and its sizes, memory and time; nothing is traced but a few thousand paths that
+//! tell how bright the scene is.
 
 use crate::cli::Global;
 use crate::exit::{Failure, Outcome};
@@ -10,6 +11,7 @@ use crate::plan_text;
 use crate::progress::Progress;
 use crate::report::Stopwatch;
 use bake_core::plan::Plan;
+use bake_core::trace::Tracer;
 
 const EXAMPLES: &str = "\
 Example:
@@ -33,7 +35,8 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     if !global.quiet {
         job.warnings.iter().for_each(|warning| progress.line(&format!("warning: {warning}")));
     }
-    let plan = Plan::derive(&job.scene, &job.air, &job.settings, &job.atlas, rayon::current_num_threads())?;
+    let plan =
+        Plan::derive(&Tracer::new(&job.scene), &job.air, &job.settings, &job.atlas, rayon::current_num_threads())?;
     if global.json {
         println!("{}", serde_json::to_string_pretty(&plan).expect("plain data becomes JSON"));
     } else {

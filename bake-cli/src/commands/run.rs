@@ -58,10 +58,14 @@ fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, F
     // An output that cannot be written is told before hours of tracing, not after.
     let folder = args.output.clone().unwrap_or_else(|| args.input.file.with_extension("bake"));
     let output = Output::open(&folder, &job.scene.name)?;
-    let plan = Plan::derive(&job.scene, &job.air, &job.settings, &job.atlas, rayon::current_num_threads())?;
+    progress.stage("build trees", 0);
+    let tracer = stopwatch.time("build trees", || Tracer::new(&job.scene));
+    stop_if_interrupted(progress)?;
+    let threads = rayon::current_num_threads();
+    let plan = stopwatch.time("plan", || Plan::derive(&tracer, &job.air, &job.settings, &job.atlas, threads))?;
     tell(global, progress, &job, &plan);
 
-    let mut solved = trace(&job, &plan, progress, &mut stopwatch)?;
+    let mut solved = trace(&tracer, &job, &plan, progress, &mut stopwatch)?;
     let raw = job.settings.keep_raw.then(|| solved.lightmap.pages.clone());
     stopwatch.time("post", || {
         finish_pages(&job, &mut solved.lightmap.pages);
@@ -114,21 +118,20 @@ struct Solved {
     fog_volume: Option<LatticeLight>,
 }
 
-fn trace(job: &Job, plan: &Plan, progress: &Progress, stopwatch: &mut Stopwatch) -> Result<Solved, Failure> {
-    progress.stage("build trees", 0);
-    let tracer = stopwatch.time("build trees", || Tracer::new(&job.scene));
-    stop_if_interrupted(progress)?;
-    let mut settings = job.settings.lightmap_settings();
-    if let Some(choice) = &plan.mode {
-        settings.mode = choice.mode;
-    }
-    let media = &job.air.media;
-    let solver = stopwatch.time("light in the air", || Solver::prepare(&tracer, media, &settings, progress))?;
+fn trace(
+    tracer: &Tracer,
+    job: &Job,
+    plan: &Plan,
+    progress: &Progress,
+    stopwatch: &mut Stopwatch,
+) -> Result<Solved, Failure> {
+    let (media, settings) = (&plan.simulated.media, &plan.solver);
+    let solver = stopwatch.time("light in the air", || Solver::prepare(tracer, media, settings, progress))?;
     let mut lightmap = stopwatch.time("trace", || solver.lightmap(&job.atlas, progress))?;
     let mut vacuum = None;
-    if job.settings.keep_vacuum && !job.air.is_empty() {
+    if job.settings.keep_vacuum && !plan.simulated.is_empty() {
         let none = MediumSet::default();
-        let without = stopwatch.time("vacuum", || solve::lightmap(&tracer, &none, &job.atlas, &settings, progress))?;
+        let without = stopwatch.time("vacuum", || solve::lightmap(tracer, &none, &job.atlas, settings, progress))?;
         lightmap.rays += without.rays;
         lightmap.shadow_rays += without.shadow_rays;
         vacuum = Some(without.pages);

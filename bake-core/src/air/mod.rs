@@ -8,6 +8,7 @@ mod density;
 mod error;
 mod file;
 mod grid;
+pub(crate) mod limits;
 mod phase;
 mod summary;
 mod warning;

@@ -96,7 +96,7 @@ impl Air {
 }
 
 /// The box outside of which a medium is not; turned inside out where its grid lies beside its bounds.
-pub(super) fn own_box(medium: &Medium) -> [DVec3; 2] {
+pub(crate) fn own_box(medium: &Medium) -> [DVec3; 2] {
     let [min, max] = medium.bounds.bounding_box();
     match &medium.density {
         Density::Grid(grid) => {

@@ -1,8 +1,12 @@
-//! What a bake will simulate and why, and what that will take: derived from scene, settings and atlas before any ray.
+//! What a bake will simulate and why, and what that will take: derived from scene, settings and atlas, and from a pilot
+//! of a few thousand paths for the median irradiance that all bounds are shares of.
 
-mod effects;
+mod bounds;
+mod budget;
+pub mod effects;
 mod lattices;
 mod mode;
+mod reduce;
 
 pub use effects::Effect;
 pub use lattices::Lattices;
@@ -11,7 +15,10 @@ pub use mode::Choice;
 use crate::air::{self, Air};
 use crate::atlas::Atlas;
 use crate::scene::Scene;
-use crate::settings::{Settings, SettingsError};
+use crate::settings::{EffectName, Settings, SettingsError};
+use crate::solve::{LightmapSettings, Mode, pilot};
+use crate::trace::Tracer;
+use budget::Budget;
 use glam::Vec3;
 use serde::Serialize;
 
@@ -32,6 +39,12 @@ pub struct Plan {
     pub lattices: Lattices,
     /// What it will take.
     pub cost: Cost,
+    /// The air that is simulated: less what is left out.
+    #[serde(skip)]
+    pub simulated: Air,
+    /// What the solver is told: mode, and what is left out.
+    #[serde(skip)]
+    pub solver: LightmapSettings,
 }
 
 /// Size of the scene.
@@ -98,12 +111,13 @@ impl Plan {
     /// # Errors
     /// More probes or cells than can be solved and stored.
     pub fn derive(
-        scene: &Scene,
+        tracer: &Tracer,
         air: &Air,
         settings: &Settings,
         atlas: &Atlas,
         threads: usize,
     ) -> Result<Self, SettingsError> {
+        let scene = tracer.scene();
         let lattices = Lattices::lay_out(scene, air, settings)?;
         let texels = atlas.pages.iter().map(|page| page.texels.len()).sum();
         let size = AtlasSize {
@@ -113,16 +127,45 @@ impl Plan {
         };
         let mut cost = cost(scene, settings, atlas, texels + lattices.points() as usize, threads);
         cost.memory_bytes += lattices.points() * LATTICE_POINT;
+        let mut solver = settings.lightmap_settings();
+        let budget = Budget::new(scene, air, pilot::median(tracer, &air.media, atlas, &solver));
+        let mut effects = effects::derive(scene, air, settings, &budget);
+        let simulated = effects::reduce(&effects, air);
+        let mode = choose_mode(scene, &simulated, settings, &effects);
+        leave_out(&mut solver, &effects);
+        solver.mode = mode.as_ref().map_or(Mode::Walk, |choice| choice.mode);
+        effects.extend(effects::of_solver(mode.as_ref().map(|choice| choice.mode)));
         Ok(Self {
-            effects: effects::derive(scene, air, settings),
+            effects,
             media: air.summaries(),
-            mode: (!air.is_empty()).then(|| Choice::derive(scene, air, settings)),
+            mode,
+            simulated,
+            solver,
             scene: scene_size(scene, atlas),
             cost,
             lattices,
             atlas: size,
         })
     }
+}
+
+/// The solver for the air that is left.
+fn choose_mode(scene: &Scene, air: &Air, settings: &Settings, effects: &[Effect]) -> Option<Choice> {
+    let choice = (!air.is_empty()).then(|| Choice::derive(scene, air, settings))?;
+    if choice.mode == Mode::Tables && !effects::is_on(effects, EffectName::Multiple) {
+        let why = "tables hold all orders of scattering together, and `multiple` is off".into();
+        return Some(Choice { mode: Mode::Grid, why });
+    }
+    Some(choice)
+}
+
+/// Tells the solver what is off and is no matter of the air.
+fn leave_out(solver: &mut LightmapSettings, effects: &[Effect]) {
+    if !effects::is_on(effects, EffectName::Indirect) {
+        solver.bounces = Some(0);
+    }
+    solver.environment = effects::is_on(effects, EffectName::Environment);
+    solver.multiple = effects::is_on(effects, EffectName::Multiple);
 }
 
 fn scene_size(scene: &Scene, atlas: &Atlas) -> SceneSize {

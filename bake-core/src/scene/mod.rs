@@ -249,6 +249,13 @@ pub struct Light {
     pub kind: LightKind,
 }
 
+impl Light {
+    /// Whether it shines from infinitely far.
+    pub fn is_directional(&self) -> bool {
+        matches!(self.kind, LightKind::Directional { .. })
+    }
+}
+
 /// Kinds of punctual light.
 #[derive(Debug, Clone)]
 pub enum LightKind {

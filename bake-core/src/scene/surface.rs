@@ -180,6 +180,11 @@ static SRGB_TO_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
     })
 });
 
+/// A linear value in [0, 1] from its 8-bit sRGB code (IEC 61966-2-1).
+pub fn srgb_to_linear(code: u8) -> f32 {
+    SRGB_TO_LINEAR[usize::from(code)]
+}
+
 fn srgb([r, g, b, a]: [u8; 4]) -> Vec4 {
     let table = &*SRGB_TO_LINEAR;
     Vec4::new(table[usize::from(r)], table[usize::from(g)], table[usize::from(b)], f32::from(a) / 255.0)

@@ -33,6 +33,7 @@ impl Settings {
         optional("target_error", self.target_error, 1e-5..=1.0)?;
         optional("samples", self.samples, 1..=1 << 24)?;
         optional("bounces", self.bounces, 0..=1 << 16)?;
+        range("tolerance", self.tolerance, 0.0..=1.0)?;
         optional("time_budget", self.time_budget, 0.1..=1e7)
     }
 
@@ -221,6 +222,7 @@ mod tests {
             ("Bake(max_pages: 0)", "`max_pages` is 0"),
             ("Bake(target_error: 0)", "`target_error` is 0"),
             ("Bake(samples: Some(0))", "`samples` is 0"),
+            ("Bake(tolerance: -0.1)", "`tolerance` is -0.1"),
             ("Bake(sky: (1, -1, 1))", "`sky` is -1"),
             ("Bake(sky: (1, 1, 1), env: Env(file: \"a.hdr\"))", "one of the two"),
             ("Bake(sun: Sun(azimuth_deg: 0, elevation_deg: 91, lux: 1))", "`sun.elevation_deg` is 91"),

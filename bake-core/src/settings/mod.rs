@@ -5,12 +5,14 @@
 //! unit below. What a key means to the scene, the atlas or the solver is theirs to say.
 
 mod check;
+mod effect;
 mod error;
 mod file;
 mod media;
 mod stages;
 mod template;
 
+pub use effect::EffectName;
 pub use error::{SettingsError, Syntax, suggest};
 pub(crate) use file::media_of_scene;
 pub use file::{from_json, read, sidecar};
@@ -71,6 +73,10 @@ pub struct Settings {
     /// Instances of EXT_mesh_gpu_instancing take lightmaps too.
     pub bake_instanced: bool,
 
+    /// Bound on its contribution, as a share of the median irradiance, below which the plan leaves an effect out.
+    pub tolerance: f32,
+    /// Effects that are simulated, or left out, whatever the plan would choose.
+    pub force_effect: BTreeMap<EffectName, bool>,
     /// How light in the air is solved.
     pub mode: Mode,
     /// The air; that of the glTF scene's `extras.bake_media` when absent, none when empty.
@@ -116,6 +122,8 @@ impl Default for Settings {
             ies: BTreeMap::new(),
             unlit: Unlit::Black,
             bake_instanced: false,
+            tolerance: 0.001,
+            force_effect: BTreeMap::new(),
             mode: Mode::Auto,
             media: None,
             probes: None,

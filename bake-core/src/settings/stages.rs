@@ -85,7 +85,7 @@ impl Settings {
         }
     }
 
-    /// For [`crate::solve::lightmap`]; the mode is the plan's to choose.
+    /// For [`crate::solve::lightmap`]; mode and what is left out are the plan's to choose.
     pub fn lightmap_settings(&self) -> LightmapSettings {
         let (floor, cap) = self.samples.map_or(self.quality.sample_range(), |samples| (samples, samples));
         LightmapSettings {
@@ -95,6 +95,8 @@ impl Settings {
             bounces: self.bounces,
             sh1: self.sh1,
             seed: self.seed,
+            environment: true,
+            multiple: true,
             mode: Mode::Walk,
             grid: self.quality.grid(),
         }

@@ -31,6 +31,11 @@ Bake(
     unlit: Black,           // unlit materials: Black only block light, Reflect, Emit(1000) in cd/m²
     bake_instanced: false,  // GPU-instanced meshes take lightmaps too
 
+    // Effects
+    tolerance: 0.001,       // what provably adds less than this share of the median irradiance is left out; 0: nothing is
+    force_effect: {},       // {Multiple: false, Colour: true}: off or on whatever the plan would choose; also Attenuation, Absorption,
+                            // Scattering, Anisotropy, Heterogeneity, Indirect, Environment
+
     // Air
     mode: Auto,             // how light in the air is solved: Walk (unbiased, slow), Grid (fast), Tables (fastest in rooms); Auto: the plan chooses
     media: None,            // [Medium(bounds: Scene, scatter: Look(mean_free_path_m: 20, albedo: (0.9, 0.9, 0.9)), phase: HenyeyGreenstein(0.3))]
@@ -83,7 +88,7 @@ mod tests {
             settings.check().unwrap_or_else(|error| panic!("{text}: {error}"));
             shown += 1;
         }
-        assert_eq!(shown, 8, "sky, sun, env, ies, media, probes, fog_volume and nodes show a value");
+        assert_eq!(shown, 9, "sky, sun, env, ies, force_effect, media, probes, fog_volume and nodes show a value");
     }
 
     /// The bracketed value or record with which a comment begins, if it does.

@@ -58,6 +58,11 @@ impl<M: Media> Paths<'_, '_, M> {
         counters: &Counters,
     ) -> Onward {
         let leg = Leg { origin: step.vertex.origin, dir: step.dir, length: arrival.distance };
+        let is_from_collision = !step.is_first && step.vertex.normal_geom == Vec3::ZERO;
+        if is_from_collision && !self.media.scatters_again() {
+            arrival.weaken(self.media.transmittance(&leg));
+            return Onward::Through;
+        }
         let numbers = air.next4();
         if self.emitters.has_lamps() && !step.is_first {
             let lit = self.lamps_along(&leg, arrival, air.next4(), counters);
@@ -129,7 +134,9 @@ impl<M: Media> Paths<'_, '_, M> {
         }
         let [once, more] = self.media.cached(point, step.dir, numbers[2]);
         radiance[step.last_leg.of_collision()] += throughput * once;
-        radiance[step.last_leg.of_collisions()] += throughput * more;
+        if self.media.scatters_again() {
+            radiance[step.last_leg.of_collisions()] += throughput * more;
+        }
     }
 
     /// `sigma_s` × phase function × irradiance of one emitter other than lamps at a point in the air, 1/m, for a path that

@@ -219,6 +219,10 @@ impl Media for Lit<'_, '_> {
     const PRESENT: bool = true;
     const CACHED: bool = true;
 
+    fn scatters_again(&self) -> bool {
+        self.fog.scatters_again()
+    }
+
     fn transmittance(&self, leg: &Leg) -> Vec3 {
         self.fog.transmittance(leg)
     }

@@ -11,6 +11,7 @@ pub mod grid;
 pub mod lattice;
 pub mod media;
 pub mod path;
+pub mod pilot;
 pub mod points;
 pub mod sampler;
 pub mod sphere;
@@ -65,6 +66,10 @@ pub struct LightmapSettings {
     pub sh1: bool,
     /// Same seed, same bits.
     pub seed: u32,
+    /// Whether the scene's environment shines.
+    pub environment: bool,
+    /// Whether light is scattered more than once between surfaces; not known to [`Mode::Tables`].
+    pub multiple: bool,
     /// How light in the air is solved, where there is any.
     pub mode: Mode,
     /// The light grid of [`Mode::Grid`].
@@ -93,6 +98,8 @@ impl Default for LightmapSettings {
             bounces: None,
             sh1: false,
             seed: 0,
+            environment: true,
+            multiple: true,
             mode: Mode::Walk,
             grid: GridSettings { cells: 12, samples: 256 },
         }
@@ -179,11 +186,11 @@ impl<'a, 's> Solver<'a, 's> {
         settings: &'a LightmapSettings,
         progress: &dyn Progress,
     ) -> Result<Self, Interrupted> {
-        let (fog, mut counts) = (Fog::new(media), [0; 3]);
+        let (fog, mut counts) = (Fog::new(media).scattering_again(settings.multiple), [0; 3]);
         let air = match settings.mode {
             _ if media.media.is_empty() => Ready::Vacuum,
             Mode::Grid if fog.scatters => {
-                let emitters = Emitters::new(tracer);
+                let emitters = emitters(tracer, settings);
                 let paths = paths(tracer, &emitters, &fog, settings);
                 let seed = hash(settings.seed, GRID_SEED);
                 let grid = LightGrid::solve(&paths, settings.grid, seed, &mut counts, progress)?;
@@ -219,7 +226,7 @@ impl<'a, 's> Solver<'a, 's> {
     /// [`Interrupted`] when the progress asks to stop; nothing is returned then.
     pub fn lattice(&self, lattice: &Lattice, progress: &dyn Progress) -> Result<LatticeLight, Interrupted> {
         let Self { tracer, settings, .. } = self;
-        let emitters = Emitters::new(tracer);
+        let emitters = emitters(tracer, settings);
         match &self.air {
             Ready::Vacuum => points::solve(&paths(tracer, &emitters, &Vacuum, settings), lattice, settings, progress),
             Ready::Walk(fog) | Ready::Tables(_, fog) => {
@@ -231,6 +238,11 @@ impl<'a, 's> Solver<'a, 's> {
             }
         }
     }
+}
+
+fn emitters<'s>(tracer: &Tracer<'s>, settings: &LightmapSettings) -> Emitters<'s> {
+    let emitters = Emitters::new(tracer);
+    if settings.environment { emitters } else { emitters.without_environment() }
 }
 
 fn paths<'a, 's, M>(
@@ -296,7 +308,7 @@ fn pages<M: Media>(
     settings: &LightmapSettings,
     progress: &dyn Progress,
 ) -> Result<Lightmap, Interrupted> {
-    let emitters = Emitters::new(tracer);
+    let emitters = emitters(tracer, settings);
     let paths = Paths { sh1: settings.sh1, ..paths(tracer, &emitters, media, settings) };
     solve_pages(&paths, atlas, settings, progress)
 }
@@ -309,7 +321,7 @@ fn by_tables(
     progress: &dyn Progress,
 ) -> Result<Lightmap, Interrupted> {
     progress.stage("measure factors", 1);
-    let (emitters, reduced) = (Emitters::new(tracer), tables::medium::reduce(media));
+    let (emitters, reduced) = (emitters(tracer, settings), tables::medium::reduce(media));
     let tabled = Tabled::new(&reduced);
     let paths = paths(tracer, &emitters, &tabled, settings);
     let paths = TablePaths::new(paths, tables::factors::Effort::default(), hash(settings.seed, FACTORS_SEED));

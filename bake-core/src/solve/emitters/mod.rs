@@ -141,6 +141,15 @@ impl<'s> Emitters<'s> {
         Self { scene, finite, lamp_count, triangles, tree, lamps, glow, environment, strategies, strategies_in_air }
     }
 
+    /// The same with a black sky.
+    pub fn without_environment(mut self) -> Self {
+        self.environment = None;
+        for strategies in [&mut self.strategies, &mut self.strategies_in_air] {
+            strategies.retain(|&strategy| strategy != Strategy::Environment);
+        }
+        self
+    }
+
     /// The draws that together reach every emitter.
     pub fn strategies(&self) -> &[Strategy] {
         &self.strategies

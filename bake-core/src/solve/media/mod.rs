@@ -61,6 +61,11 @@ pub trait Media: Sync {
     /// Whether directions are drawn half by cosine, half uniformly, at every vertex.
     const MIXED: bool = false;
 
+    /// Whether light from a collision may collide again before it meets a surface.
+    fn scatters_again(&self) -> bool {
+        true
+    }
+
     /// Share of light that passes the leg, per channel.
     fn transmittance(&self, leg: &Leg) -> Vec3;
 
@@ -135,6 +140,7 @@ pub struct Fog<'a> {
     pub(super) set: &'a MediumSet,
     /// Whether any of it scatters; what only absorbs needs no sampling.
     pub(super) scatters: bool,
+    scatters_again: bool,
     /// The set in its simplest form, where it has that.
     uniform: Option<UniformBox>,
 }
@@ -142,7 +148,13 @@ pub struct Fog<'a> {
 impl<'a> Fog<'a> {
     /// The sum of all media.
     pub fn new(set: &'a MediumSet) -> Self {
-        Self { set, scatters: set.media.iter().any(is_scattering), uniform: UniformBox::of(set) }
+        let scatters = set.media.iter().any(is_scattering);
+        Self { set, scatters, scatters_again: true, uniform: UniformBox::of(set) }
+    }
+
+    /// The same, where light may or may not collide again after a collision.
+    pub fn scattering_again(self, scatters_again: bool) -> Self {
+        Self { scatters_again, ..self }
     }
 
     /// Extinction times transmittance at `distance`, and that transmittance.
@@ -154,6 +166,10 @@ impl<'a> Fog<'a> {
 
 impl Media for Fog<'_> {
     const PRESENT: bool = true;
+
+    fn scatters_again(&self) -> bool {
+        self.scatters_again
+    }
 
     fn transmittance(&self, leg: &Leg) -> Vec3 {
         if let Some(uniform) = &self.uniform {
