@@ -54,19 +54,23 @@ pub fn is_on(effects: &[Effect], name: EffectName) -> bool {
     effects.iter().find(|effect| effect.name == name.name()).is_none_or(|effect| effect.on)
 }
 
+type Reduction = fn(&Air) -> Air;
+
+/// What takes each effect out of the air.
+const REDUCTIONS: [(EffectName, Reduction); 5] = [
+    (EffectName::Heterogeneity, reduce::homogeneous),
+    (EffectName::Colour, reduce::grey),
+    (EffectName::Absorption, reduce::without_absorption),
+    (EffectName::Scattering, reduce::without_scattering),
+    (EffectName::Anisotropy, reduce::isotropic),
+];
+
 /// The air with what the effects leave of it.
 pub fn reduce(effects: &[Effect], air: &Air) -> Air {
     if !is_on(effects, EffectName::Attenuation) {
         return Air { scene: air.scene, ..Air::default() };
     }
-    let reductions: [(EffectName, fn(&Air) -> Air); 5] = [
-        (EffectName::Heterogeneity, reduce::homogeneous),
-        (EffectName::Colour, reduce::grey),
-        (EffectName::Absorption, reduce::without_absorption),
-        (EffectName::Scattering, reduce::without_scattering),
-        (EffectName::Anisotropy, reduce::isotropic),
-    ];
-    let off = reductions.into_iter().filter(|(name, _)| !is_on(effects, *name));
+    let off = REDUCTIONS.iter().filter(|(name, _)| !is_on(effects, *name));
     off.fold(air.clone(), |air, (_, reduce)| reduce(&air))
 }
 
