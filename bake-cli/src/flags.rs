@@ -11,8 +11,8 @@ use std::path::PathBuf;
 
 /// The flags that the help leaves out to fit a screen; the file that `bake init` writes explains them.
 pub const RARE: &str = "\
-More: --scene, --padding, --nodes, --bake-instanced, --light-scale, --light-radius-m, --unlit, --tolerance,
---force-effect, --probes, --fog-volume, --keep-vacuum, --half, --keep-raw. `bake init SCENE` writes a file that explains every setting; each is a flag too.";
+More: --scene, --padding, --nodes, --bake-instanced, --light-scale, --light-radius-m, --unlit, --probes, --fog-volume,
+--keep-vacuum, --tolerance, --force-effect, --half, --keep-raw. `bake init SCENE` writes a file that explains them all.";
 
 /// The flags.
 #[derive(Debug, Clone, Default, clap::Args)]

@@ -72,7 +72,7 @@ pub fn bound(bound: f64) -> String {
     match bound {
         0.0 => "-".into(),
         share if share.is_infinite() => "unbounded".into(),
-        share if share >= 0.1 => format!("≤ {:.0} %", 100.0 * share),
+        share if share >= 10.0 => format!("≤ {} ×", number(share.ceil())),
         share => format!("≤ {} %", number(100.0 * share)),
     }
 }

@@ -20,7 +20,8 @@ fn the_plan_prints_each_medium() {
         "medium fog: box (0 0 0) to (1 2 3) m, uniform, Henyey-Greenstein (g 0.3)",
         "mean free path 2 m / 2.5 m / 4 m",
         "albedo 0.9",
-        "on fog 1 medium",
+        "effect on fog ≤",
+        "effect off heterogeneity - uniform densities",
     ] {
         assert!(flat.contains(part), "`{part}` is not in:\n{}", ended.out);
     }

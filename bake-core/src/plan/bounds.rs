@@ -3,88 +3,91 @@
 //! *Quantity.* Mean over the lightmapped surface of |E − E'| over the median texel irradiance; E with the effect, E'
 //! without, all else simulated. Single texels may change by more: beside a lamp, in a shadow.
 //!
-//! *Setting.* Light flies in legs that end at a surface or a collision. Of a leg's flux at most `p = 1 − exp(−τ)`
-//! collides, at most `p_s = 1 − exp(−τ_s)` is scattered; τ, τ_s are the largest extinction and scattering depth of
-//! any line through the air (longest line of each medium times its largest density times its coefficient). Surfaces send
-//! at most the share ρ of what arrives on to another leg. So no more than
+//! *Setting.* A flight goes from a surface or an emitter to the next surface, through any number of collisions; its legs
+//! are straight. Of a leg's flux at most `p = 1 − exp(−τ)` collides and at most `p_s = 1 − exp(−τ_s)` is scattered; τ, τ_s are
+//! the largest extinction and scattering depth of any line through the air (longest line of each medium times its largest
+//! density times its coefficient). A flight has at most `n = Σ p_s^k = exp(τ_s)` legs on the mean, n − 1 of them from
+//! collisions. Surfaces send at most the share ρ of what arrives on another flight, so that all flights together carry at
+//! most Φ/(1 − ρ) of an emitted flux Φ.
+//!
+//! *Lemma.* Let what arrives by a flight differ between two airs by at most δ of the flux that starts (L1 norm over positions
+//! and directions). With `R` for reflection, `O` for arrival and `F = O (Φ + R F)`, `F − F' = (O − O')(Φ + R F) + O' R (F − F')`,
+//! where |O'| ≤ 1, |R| ≤ ρ and |Φ + R F| ≤ Φ/(1 − ρ); hence
 //!
 //! ```text
-//! κ = p_s + (1 − p_s) ρ,     1 − κ = (1 − ρ) exp(−τ_s)
+//! ∫ |E − E'| dA ≤ δ Φ / (1 − ρ)²
 //! ```
-//! of a leg's flux flies a further leg, and all legs together carry at most Φ/(1 − κ) of an emitted flux Φ (geometric
-//! series over reflections and orders of scattering).
+//! Divided by the lightmapped area and the median irradiance that is the bound. Where ρ = 1 there is none.
 //!
-//! *Lemma.* Let two airs differ, leg by leg, by at most δ_o of its flux in what arrives at surfaces and by at most δ_s in
-//! what leaves collisions (L1 norms over position and direction). With `G` from legs to further legs, `O` from legs to
-//! surfaces, `W = Φ + G W` and `F = O W`: `F − F' = (O − O') W + O' (1 − G')⁻¹ (G − G') W`, where |O'| ≤ 1,
-//! |G − G'| ≤ ρ δ_o + δ_s and both |G| ≤ κ, so that for κ ≥ ρ
+//! | effect | δ | because |
+//! |---|---|---|
+//! | attenuation (all that the air does) | p + p_s | first legs lose at most p, and at most p_s arrives otherwise |
+//! | absorption | n p_a, at most 1 | a leg loses at most p_a = 1 − exp(−τ_a) |
+//! | scattering | p_s | what arrives has scattered at its first leg |
+//! | multiple | p_s² | the same at its second |
+//! | anisotropy | (n − 1) a, at most 2 p_s | a collision spreads apart at most `a = ∫ \|φ − 1/4π\| dω ≤ √(Σ_{l ≥ 1} (2l + 1) m_l²)` (Cauchy–Schwarz over Legendre moments), at most 2 |
+//! | heterogeneity, colour | n (Δ + Δ_s + Δ exp(Δ)), at most 2 | Δ, Δ_s are the largest depths of the differences of extinction and scattering: \|exp(−τ) − exp(−τ')\| ≤ Δ at a leg's end, `∫ \|σ_s exp(−τ) − σ_s' exp(−τ')\| ds ≤ Δ_s + Δ exp(Δ)` on its way |
 //!
-//! ```text
-//! ∫ |E − E'| dA ≤ (δ_o + δ_s) Φ / (1 − κ)²
-//! ```
-//! Divided by the lightmapped area and the median irradiance that is the bound. Where κ = 1 there is none.
-//!
-//! | effect | δ_o + δ_s |
-//! |---|---|
-//! | attenuation (all that the air does) | p + p_s |
-//! | absorption | 1 − exp(−τ_a): what arrives or scatters more without it |
-//! | scattering | p_s |
-//! | multiple | p_s²: legs from collisions carry at most p_s of all, and lose at most p_s |
-//! | anisotropy | p_s a, with `a = ∫ \|Φ − 1/4π\| dω ≤ √(Σ_{l ≥ 1} (2l + 1) m_l²)` over Legendre moments (Cauchy–Schwarz), at most 2 |
-//! | heterogeneity, colour | Δ + Δ_s + Δ exp(Δ), with Δ, Δ_s the largest depth of the differences of extinction and scattering: \|exp(−τ) − exp(−τ')\| ≤ Δ |
-//! | indirect | ρ |
-//!
-//! An emitter of flux Φ_e contributes at most Φ_e/(1 − κ), and p_s times that through its first scattering.
+//! An emitter of flux Φ_e contributes at most Φ_e/(1 − ρ), and p_s times that through its first flight's scattering; all
+//! reflections together at most Φ ρ/(1 − ρ).
 //!
 //! *Taken on trust.* ρ averages a texture over its image, as if light did not seek its bright texels out.
 
 use super::budget::Budget;
 use crate::air::Air;
 use crate::air::limits::{Limits, depth};
-use bake_optics::medium::{Density, Medium};
+use bake_optics::medium::{Density, Medium, Scatter};
 use bake_optics::phase::Phase;
 
-/// Largest share of a leg's flux that each effect changes, and what the scene makes of it.
+/// What bounds are made of.
 #[derive(Debug, Clone, Copy)]
-pub struct Bounds {
+pub struct Bounds<'a> {
+    air: &'a Air,
     budget: Budget,
-    /// 1 − κ.
-    ending: f64,
-    /// p_s.
-    scattered: f64,
     /// p.
     collided: f64,
+    /// p_s.
+    scattered: f64,
+    /// n − 1.
+    collisions: f64,
 }
 
-impl Bounds {
+impl<'a> Bounds<'a> {
     /// For a scene and its air.
-    pub fn new(budget: Budget, air: &Air) -> Self {
-        let scattering = most(depth(air, |m, limits| at_peak(m.scatter.sigma_s, limits)));
-        let extinction = most(depth(air, |m, limits| at_peak(m.scatter.sigma_t(), limits)));
-        let ending = (1.0 - budget.albedo) * (-scattering).exp();
-        Self { budget, ending, scattered: share(scattering), collided: share(extinction) }
+    pub fn new(budget: Budget, air: &'a Air) -> Self {
+        let scattering = largest(air, |scatter| scatter.sigma_s);
+        let collided = share(largest(air, |scatter| scatter.sigma_t()));
+        Self { air, budget, collided, scattered: share(scattering), collisions: scattering.exp_m1() }
     }
 
-    /// Of a change of `delta` a leg.
+    /// Of a difference of `delta` a flight.
     fn of(&self, delta: f64) -> f64 {
-        let level = self.budget.level(self.budget.emitted.total());
-        if delta == 0.0 || level == 0.0 { 0.0 } else { delta * level / (self.ending * self.ending) }
+        self.grown(delta * self.budget.emitted.total(), 2)
+    }
+
+    /// Mean irradiance in medians after `times` series of reflections.
+    fn grown(&self, flux: f64, times: i32) -> f64 {
+        if flux == 0.0 { 0.0 } else { self.budget.level(flux) / (1.0 - self.budget.albedo).powi(times) }
     }
 
     /// Of light that starts with a flux, lm.
     pub fn emitter(&self, flux: f64) -> f64 {
-        let level = self.budget.level(flux);
-        if level == 0.0 { 0.0 } else { level / self.ending }
+        self.grown(flux, 1)
     }
 
-    /// Of the same through its first collision.
+    /// Of the same through collisions of its first flight.
     pub fn scattered_emitter(&self, flux: f64) -> f64 {
-        if self.scattered == 0.0 { 0.0 } else { self.scattered * self.emitter(flux) }
+        self.grown(self.scattered * flux, 1)
     }
 
-    /// Of reflected light through its first collision.
+    /// Of reflected light through collisions.
     pub fn scattered_reflections(&self) -> f64 {
         self.of(self.scattered * self.budget.albedo)
+    }
+
+    /// Of light that surfaces reflect.
+    pub fn indirect(&self) -> f64 {
+        self.grown(self.budget.albedo * self.budget.emitted.total(), 1)
     }
 
     /// Of all that the air does.
@@ -93,8 +96,9 @@ impl Bounds {
     }
 
     /// Of what the air swallows.
-    pub fn absorption(&self, air: &Air) -> f64 {
-        self.of(share(most(depth(air, |m, limits| at_peak(m.scatter.sigma_a, limits)))))
+    pub fn absorption(&self) -> f64 {
+        let a_leg = share(largest(self.air, |scatter| scatter.sigma_a));
+        self.of(self.in_a_flight(a_leg).min(1.0))
     }
 
     /// Of all orders of scattering.
@@ -108,49 +112,54 @@ impl Bounds {
     }
 
     /// Of preferred deflections.
-    pub fn anisotropy(&self, air: &Air) -> f64 {
-        let scattering = air.media.media.iter().filter(|medium| medium.scatter.sigma_s != [0.0; 3]);
-        self.of(self.scattered * scattering.map(|medium| distance_to_isotropic(&medium.phase)).fold(0.0, f64::max))
+    pub fn anisotropy(&self) -> f64 {
+        let scattering = self.air.media.media.iter().filter(|medium| medium.scatter.sigma_s != [0.0; 3]);
+        let a = scattering.map(|medium| distance_to_isotropic(&medium.phase)).fold(0.0, f64::max);
+        self.of(if a == 0.0 { 0.0 } else { (self.collisions * a).min(2.0 * self.scattered) })
     }
 
     /// Of a density that varies, against the middle between its ends.
-    pub fn heterogeneity(&self, air: &Air) -> f64 {
-        let spread = |sigma: [f64; 3], medium: &Medium, limits: &Limits| match medium.density {
+    pub fn heterogeneity(&self) -> f64 {
+        self.of_differences(|medium, limits, sigma| match medium.density {
             Density::Uniform => [0.0; 3],
-            _ => sigma.map(|s| if s > 0.0 { 0.5 * s * (limits.density[1] - limits.density[0]) } else { 0.0 }),
-        };
-        self.of_depths(
-            most(depth(air, |m, limits| spread(m.scatter.sigma_t(), m, limits))),
-            most(depth(air, |m, limits| spread(m.scatter.sigma_s, m, limits))),
-        )
+            _ => times(sigma, 0.5 * (limits.density[1] - limits.density[0])),
+        })
     }
 
     /// Of coefficients that differ by channel, against their mean.
-    pub fn colour(&self, air: &Air) -> f64 {
-        let spread = |sigma: [f64; 3], limits: &Limits| {
+    pub fn colour(&self) -> f64 {
+        self.of_differences(|_, limits, sigma| {
             let mean = sigma.iter().sum::<f64>() / 3.0;
-            at_peak(if sigma == [sigma[0]; 3] { [0.0; 3] } else { sigma.map(|s| (s - mean).abs()) }, limits)
-        };
-        let of = |medium: &Medium, limits: &Limits| {
-            // What is scattered and what is absorbed each go to their own mean.
-            let [s, a] = [medium.scatter.sigma_s, medium.scatter.sigma_a].map(|sigma| spread(sigma, limits));
-            std::array::from_fn(|c| s[c] + a[c])
-        };
-        self.of_depths(most(depth(air, of)), most(depth(air, |m, limits| spread(m.scatter.sigma_s, limits))))
+            let is_grey = sigma == [sigma[0]; 3];
+            times(if is_grey { [0.0; 3] } else { sigma.map(|sigma| (sigma - mean).abs()) }, limits.density[1])
+        })
     }
 
-    fn of_depths(&self, extinction: f64, scattering: f64) -> f64 {
-        if extinction == 0.0 { 0.0 } else { self.of(extinction * (1.0 + extinction.exp()) + scattering) }
+    /// Of coefficients that differ by `difference` of themselves. Scattering and absorption differ on their own, at worst in
+    /// the same sense.
+    fn of_differences(&self, difference: impl Fn(&Medium, &Limits, [f64; 3]) -> [f64; 3]) -> f64 {
+        let of = |coefficient: fn(&Scatter) -> [f64; 3]| {
+            most(depth(self.air, |medium, limits| difference(medium, limits, coefficient(&medium.scatter))))
+        };
+        let scattering = of(|scatter| scatter.sigma_s);
+        let extinction = scattering + of(|scatter| scatter.sigma_a);
+        self.of(self.in_a_flight(extinction * (1.0 + extinction.exp()) + scattering).min(2.0))
     }
 
-    /// Of light that surfaces reflect.
-    pub fn indirect(&self) -> f64 {
-        self.of(self.budget.albedo)
+    /// Of a flight, from what a leg differs.
+    fn in_a_flight(&self, a_leg: f64) -> f64 {
+        if a_leg == 0.0 { 0.0 } else { a_leg * (1.0 + self.collisions) }
     }
 }
 
-fn at_peak(sigma: [f64; 3], limits: &Limits) -> [f64; 3] {
-    sigma.map(|sigma| if sigma > 0.0 { sigma * limits.density[1] } else { 0.0 })
+/// Largest depth of a coefficient over all lines.
+fn largest(air: &Air, coefficient: impl Fn(&Scatter) -> [f64; 3]) -> f64 {
+    most(depth(air, |medium, limits| times(coefficient(&medium.scatter), limits.density[1])))
+}
+
+/// Nothing times an endless density is nothing.
+fn times(sigma: [f64; 3], density: f64) -> [f64; 3] {
+    sigma.map(|sigma| if sigma > 0.0 { sigma * density } else { 0.0 })
 }
 
 fn most(depths: [f64; 3]) -> f64 {

@@ -194,7 +194,7 @@ fn attenuation(air: &Air, bounds: &Bounds) -> Call {
 fn absorption(air: &Air, bounds: &Bounds) -> Call {
     let is_there = air.absorbs();
     let why = if is_there { "sigma_a above 0" } else { "sigma_a is 0" };
-    Call { is_there, bound: bounds.absorption(air), why: why.into() }
+    Call { is_there, bound: bounds.absorption(), why: why.into() }
 }
 
 fn scattering(air: &Air, bounds: &Bounds) -> Call {
@@ -228,7 +228,7 @@ fn anisotropy(air: &Air, bounds: &Bounds) -> Call {
     let cosines = air.media.media.iter().map(|medium| medium.phase.mean_cosine());
     let g = cosines.fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
     let why = if is_there { format!("mean cosine up to {g:.2}") } else { "isotropic phase functions".into() };
-    Call { is_there, bound: bounds.anisotropy(air), why }
+    Call { is_there, bound: bounds.anisotropy(), why }
 }
 
 fn heterogeneity(air: &Air, bounds: &Bounds) -> Call {
@@ -237,13 +237,13 @@ fn heterogeneity(air: &Air, bounds: &Bounds) -> Call {
         0 => "uniform densities".into(),
         varying => format!("{varying} of {} densities vary", air.names.len()),
     };
-    Call { is_there: varying > 0, bound: bounds.heterogeneity(air), why }
+    Call { is_there: varying > 0, bound: bounds.heterogeneity(), why }
 }
 
 fn colour(air: &Air, bounds: &Bounds) -> Call {
     let is_there = !air.is_grey();
     let why = if is_there { "coefficients differ by channel" } else { "grey: one exponential serves all channels" };
-    Call { is_there, bound: bounds.colour(air), why: why.into() }
+    Call { is_there, bound: bounds.colour(), why: why.into() }
 }
 
 /// What the chosen solver adds to the list.
