@@ -21,7 +21,7 @@ use half::f16;
 use serde::{Deserialize, Serialize};
 
 /// Version written, and the only one read.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 const MAGIC: &[u8; 8] = b"BAKETBL\n";
 const HEADER: usize = 48;
@@ -346,10 +346,13 @@ mod tests {
     fn strangers_and_other_versions_are_refused_with_the_reason() {
         let foreign = TableFile::from_bytes(b"PNG, or whatever else", "x.png").unwrap_err();
         assert!(foreign.to_string().contains("x.png: this is no table file"), "{foreign}");
-        let mut older = sample().to_bytes();
-        older[8] = 0;
-        let older = TableFile::from_bytes(&older, "old.tables").unwrap_err();
-        assert!(older.to_string().contains("version 0, this program reads version 1"), "{older}");
+        for (version, name) in [(VERSION - 1, "old.tables"), (VERSION + 1, "new.tables")] {
+            let mut other = sample().to_bytes();
+            other[8..12].copy_from_slice(&version.to_le_bytes());
+            let other = TableFile::from_bytes(&other, name).unwrap_err().to_string();
+            let reason = format!("{name}: table file version {version}, this program reads version {VERSION}");
+            assert!(other.contains(&reason) && other.contains("bake tables generate"), "{other}");
+        }
         assert!(matches!(TableFile::read(Path::new("/nowhere/x")), Err(TableFileError::Io { .. })));
     }
 

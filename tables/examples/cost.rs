@@ -235,7 +235,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         scatter_orders: 2,
         ..Recipe::default()
     };
-    let paper = set::to_file(&recipe, &set::compute_tables(&recipe, &|_, _| ()));
+    let paper = tables::generate::to_file(&recipe, &tables::generate::compute_tables(&recipe, &|_, _| ()));
     let mut all = Vec::new();
     for (layout, bins) in LAYOUTS.into_iter().flat_map(|layout| BINS.map(|bins| (layout, bins))) {
         let file = if layout == Layout::Harmonic { &shipped } else { &paper };

@@ -3,7 +3,7 @@
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/default.tables");
     let start = std::time::Instant::now();
-    let file = tables::set::generate(&tables::Recipe::default(), &|share, what| {
+    let file = tables::generate(&tables::Recipe::default(), &|share, what| {
         eprintln!("{:5.1} s {:3.0} % {what}", start.elapsed().as_secs_f64(), 100.0 * share);
     });
     let seconds = start.elapsed().as_secs_f64();

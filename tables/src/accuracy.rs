@@ -8,9 +8,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::axial::{self, HARMONICS};
 use crate::curves::{Curves, DistanceMap};
+use crate::generate::slab_sources;
 use crate::recipe::Recipe;
 use crate::remap::Air;
-use crate::set::{NAMES, Scatter, TableSet, slab_sources};
+use crate::set::{NAMES, Scatter, TableSet};
 use crate::transport::phase_basis::PhaseBasis;
 use crate::transport::slab::SlabSource;
 use crate::transport::sources::Source;

@@ -25,12 +25,16 @@ const RULE: (usize, usize) = (128, 80);
 ///
 /// *Equation*: `L_lm = (1/4πd) ∫∫ Y_lm(γ, 0) C_m(β, θ) 4πp(cos(γ+β)) e^{−(t+r)} dγ dβ`.
 pub fn compute_single(d: f64, basis: &PhaseBasis, angles: &AngleGrid) -> Vec<f64> {
+    compute_from(d, basis, &emitter_moments(rule(), angles))
+}
+
+/// The same from the emitter's moments at all rows and angles, which do not depend on the distance.
+fn compute_from(d: f64, basis: &PhaseBasis, emitter: &[[f64; 5]]) -> Vec<f64> {
     let rule = rule();
-    let functions = basis.len();
-    let mut sums = vec![0.0; functions * angles.nodes * HARMONIC_COUNT];
+    let (functions, angles) = (basis.len(), emitter.len() / rule.rows.len());
+    let mut sums = vec![0.0; functions * angles * HARMONIC_COUNT];
     let (mut at_node, mut inner) = (vec![0.0; functions], vec![[0.0; HARMONIC_COUNT]; functions]);
-    let emitter = emitter_moments(rule, angles);
-    for (row, emitter) in rule.rows.iter().zip(emitter.chunks_exact(angles.nodes)) {
+    for (row, emitter) in rule.rows.iter().zip(emitter.chunks_exact(angles)) {
         inner.fill([0.0; HARMONIC_COUNT]);
         for (n, y) in row.nodes.iter().zip(&inner_harmonics()[row.first..]) {
             let value = n.weight * (-d * (n.side_outer + n.side_inner - 1.0)).exp();
@@ -41,7 +45,7 @@ pub fn compute_single(d: f64, basis: &PhaseBasis, angles: &AngleGrid) -> Vec<f64
             }
         }
         let weight = row.weight / (4.0 * PI);
-        for (block, lane) in sums.chunks_exact_mut(angles.nodes * HARMONIC_COUNT).zip(&inner) {
+        for (block, lane) in sums.chunks_exact_mut(angles * HARMONIC_COUNT).zip(&inner) {
             for (sum, c) in block.chunks_exact_mut(HARMONIC_COUNT).zip(emitter) {
                 (0..HARMONIC_COUNT).for_each(|h| sum[h] += weight * c[HARMONICS[h].1] * lane[h]);
             }
@@ -145,14 +149,7 @@ pub fn compute_exact(
 /// How much closer nodes lie at 90°, where the emitter's kink is, than at the ends: by `(1 + CROWDING)^{3/2}/CROWDING^{3/2}`, 3.6.
 const CROWDING: f64 = 0.75;
 
-/// Place of cos θ from −1 to 1: `s = c sqrt((1 + k)/(k + c²))`, k = [`CROWDING`].
-#[inline]
-pub(crate) fn coordinate(cos_emitter: f32) -> f32 {
-    let c = cos_emitter.clamp(-1.0, 1.0);
-    c * ((1.0 + CROWDING as f32) / (CROWDING as f32 + c * c)).sqrt()
-}
-
-/// Nodes over c = cos θ from −1 to 1, uniform in `s = c sqrt((1 + k)/(k + c²))`, k = ¾: closer at 90°, where the emitter's kink is,
+/// Stored nodes over c = cos θ from −1 to 1, uniform in `s = c sqrt((1 + k)/(k + c²))`, k = ¾: closer at 90°, where the emitter's kink is,
 /// and smooth in between.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AngleGrid {
@@ -201,7 +198,8 @@ pub fn column(angles: &AngleGrid, function: usize, node: usize, harmonic: usize)
 /// The order-1 table: columns of [`column`].
 pub fn store_single(grid: Grid, angles: AngleGrid, basis: &PhaseBasis) -> Curves {
     let columns = basis.len() * angles.nodes * HARMONIC_COUNT;
-    Curves::store(grid, Shape::POINT_SINGLE, columns, |d| compute_single(d, basis, &angles))
+    let emitter = emitter_moments(rule(), &angles);
+    Curves::store(grid, Shape::POINT_SINGLE, columns, |d| compute_from(d, basis, &emitter))
 }
 
 #[cfg(test)]

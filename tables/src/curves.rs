@@ -33,7 +33,8 @@ impl Default for Grid {
 }
 
 impl Grid {
-    fn step(&self) -> f64 {
+    /// Difference of ln d between nodes.
+    pub fn step(&self) -> f64 {
         (self.max / self.min).ln() / (self.bins - 1) as f64
     }
 

@@ -219,7 +219,7 @@ impl FittedResponse {
         let rows = [first, first + 1, first + ANGLES, first + ANGLES + 1].map(|i| &self.nodes[i]);
         let node: [f32; 8] = std::array::from_fn(|i| (0..4).map(|k| weights[k] * rows[k][i]).sum());
         let tilted = tilt(to_emitter, axis + cos * to_emitter, node[7]);
-        let p = even_legendre(normal.dot(tilted));
+        let p: [f32; 8] = bytemuck::cast(even_legendre(normal.dot(tilted)));
         sigma_t * sigma_t * place.scale * (0..7).map(|i| node[i] * p[i]).sum::<f32>()
     }
 }

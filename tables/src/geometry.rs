@@ -3,7 +3,7 @@
 //! a = direction from receiver to emitter, n = receiver's normal (or any direction), e = the emitter's axis (a surface's
 //! normal), c = cos θ = −e·a. With p = e − (e·a) a, |p| = sin θ, every `sin^m θ Y_lm(n)` is a polynomial in n·a and n·p.
 
-use crate::area::coordinate;
+use crate::angles::coordinate;
 use crate::axial::HARMONIC_COUNT;
 use crate::node::Basis;
 use glam::Vec3;

@@ -40,6 +40,17 @@ fn exp_negative(x: f32x4) -> f32x4 {
     scale * (low + r3 * (high * r + 1.0 / 6.0))
 }
 
+/// Where three distances lie among the rows of their tables.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Places {
+    /// Lower of the two rows.
+    pub rows: [usize; 3],
+    /// Weight of the row above it.
+    pub fractions: [f32; 3],
+    /// s(d), with the fade where there is one; the last lane repeats the third.
+    pub scale: f32x4,
+}
+
 /// The mappings of three tables side by side.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct DistanceLanes {
@@ -72,18 +83,25 @@ impl DistanceLanes {
 
     /// Places of three canonical distances; any f32 is allowed.
     #[inline]
-    pub fn places(&self, optical: f32x4) -> [Place; 3] {
+    pub fn places(&self, optical: f32x4) -> Places {
         let d = optical.fast_max(f32x4::splat(SMALLEST_DISTANCE)).fast_min(f32x4::splat(LARGEST_DISTANCE));
         if !(d.simd_ge(self.min) & d.simd_le(self.fade_from)).all() {
-            let d = d.to_array();
-            return std::array::from_fn(|i| self.maps[i].place(d[i]));
+            return self.one_by_one(d);
         }
         let x = (ln(d) - self.ln_min) * self.inverse_step;
         let node = x.fast_trunc_int();
         let scale = exp_negative(self.rate * d) / (d * self.divisor.0 + self.divisor.1);
-        let (row, fraction, scale) = (node.to_array(), (x - f32x4::from_i32x4(node)).to_array(), scale.to_array());
         // At the last node the row above is the far limit, at weight 0.
-        std::array::from_fn(|i| Place { row: row[i] as usize + 1, fraction: fraction[i], scale: scale[i] })
+        let ([i, j, k, _], [u, v, w, _]) = (node.to_array(), (x - f32x4::from_i32x4(node)).to_array());
+        Places { rows: [i as usize + 1, j as usize + 1, k as usize + 1], fractions: [u, v, w], scale }
+    }
+
+    #[cold]
+    fn one_by_one(&self, d: f32x4) -> Places {
+        let d = d.to_array();
+        let places: [Place; 3] = std::array::from_fn(|i| self.maps[i].place(d[i]));
+        let scale = lanes(places.map(|p| p.scale));
+        Places { rows: places.map(|p| p.row), fractions: places.map(|p| p.fraction), scale }
     }
 }
 
@@ -118,10 +136,12 @@ mod tests {
         let mut worst = Worst::new("place (in rows) and scale (relative) of three against one", 1e-5);
         let ends = [0.0, -1.0, 1e-3, 45.0, 50.0, 1e30, f32::INFINITY, f32::NAN];
         for d in (0..3000).map(|i| 1e-7 * (0.0085 * i as f32).exp()).chain(ends) {
-            for (i, got) in three.places(f32x4::splat(d)).iter().enumerate() {
-                let want = maps[i].place(d);
+            let Places { rows, fractions, scale } = three.places(f32x4::splat(d));
+            for (i, map) in maps.iter().enumerate() {
+                let got = Place { row: rows[i], fraction: fractions[i], scale: scale.to_array()[i] };
+                let want = map.place(d);
                 let rows = |p: &Place| p.row as f64 + f64::from(p.fraction);
-                worst.record((rows(got) - rows(&want)).abs(), || format!("{d} channel {i}"));
+                worst.record((rows(&got) - rows(&want)).abs(), || format!("{d} channel {i}"));
                 let tiny = f64::from(f32::MIN_POSITIVE);
                 worst.record(f64::from((got.scale - want.scale).abs()) / (f64::from(want.scale) + 1e6 * tiny), || {
                     format!("{d} scale {i}")

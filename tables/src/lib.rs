@@ -5,16 +5,19 @@
 //! together and prepares a [`response`] for a medium.
 
 pub mod accuracy;
+mod angles;
 pub mod area;
 pub mod axial;
 pub mod curves;
 pub mod directional;
 pub mod drawing;
 pub mod fitted;
+pub mod generate;
 pub mod geometry;
 mod lanes;
 mod node;
 pub mod point;
+mod prepare;
 pub mod recipe;
 pub mod remap;
 pub mod resample;
@@ -23,7 +26,9 @@ pub mod rgb;
 pub mod set;
 pub mod transport;
 
+pub use generate::generate;
 pub use geometry::Geometry;
+pub use prepare::cosine_legendre;
 pub use recipe::{Layout, Recipe};
 pub use remap::{Air, RayAir};
 pub use response::{AxialResponse, ZonalResponse};

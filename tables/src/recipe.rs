@@ -65,7 +65,7 @@ impl Default for Recipe {
             grid: Grid { bins: 128, ..Grid::default() },
             read_bins: 256,
             angles: AngleGrid::default(),
-            read_angles: 97,
+            read_angles: 129,
             bands: 11,
             scatter_orders: 10,
             legendre_orders: LEGENDRE_ORDERS,

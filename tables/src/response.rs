@@ -3,13 +3,13 @@
 //! A response is canonical: the medium's albedo and phase function are in it, sigma_t comes with every look-up
 //! (`remap`: a distance d m is read at σ_t d; point-like emitters scale by σ_t², directional light does not).
 
-use crate::area::coordinate;
+use crate::angles::coordinate;
 use crate::axial::HARMONIC_COUNT;
-use crate::curves::{DistanceMap, Grid, Place, Shape};
+use crate::curves::{Curves, DistanceMap, Grid, Place, Shape};
 use crate::geometry::Geometry;
 use crate::node::{Basis, Node};
 use std::sync::Arc;
-use wide::f32x8;
+use wide::f32x4;
 
 /// Degrees whose clamped-cosine coefficient does not vanish, up to 11 bands (and one empty place).
 pub(crate) const IRRADIANCE_DEGREES: [usize; 8] = [0, 1, 2, 4, 6, 8, 10, 12];
@@ -22,7 +22,7 @@ pub struct ZonalResponse {
     point_like: bool,
     radiance: Vec<f32>,
     /// `A_l sqrt((2l+1)/4π) L_l` for [`IRRADIANCE_DEGREES`].
-    irradiance: Vec<[f32; 8]>,
+    irradiance: Vec<[f32x4; 2]>,
 }
 
 impl ZonalResponse {
@@ -30,10 +30,11 @@ impl ZonalResponse {
     pub(crate) fn new(grid: &Grid, shape: Shape, bands: usize, radiance: Vec<f32>) -> Self {
         let cosine = bake_optics::harmonics::clamped_cosine::<f64>(IRRADIANCE_DEGREES[7] + 1);
         let fold = |row: &[f32]| {
-            IRRADIANCE_DEGREES.map(|l| {
+            let folded = IRRADIANCE_DEGREES.map(|l| {
                 let norm = crate::transport::harmonics::real_norm(l, 0);
                 row.get(l).map_or(0.0, |&c| (cosine[l] * norm * f64::from(c)) as f32)
-            })
+            });
+            bytemuck::cast(folded)
         };
         let irradiance = radiance.chunks_exact(bands).map(fold).collect();
         Self { map: DistanceMap::new(grid, shape), bands, point_like: shape.inverse_distance, radiance, irradiance }
@@ -43,15 +44,17 @@ impl ZonalResponse {
     /// the emitter, per W/sr of intensity (per W/m² of directional light). `sigma_t` in 1/m, ≥ 0.
     #[inline]
     pub fn irradiance(&self, sigma_t: f32, distance_m: f32, cos_receiver: f32) -> f32 {
-        self.irradiance_at(sigma_t, &self.map.place(sigma_t * distance_m), &even_legendre(cos_receiver))
+        let place = self.map.place(sigma_t * distance_m);
+        let sums = self.partial_sums(place.row, place.fraction, &even_legendre(cos_receiver));
+        self.strength(sigma_t, &place) * sums.reduce_add()
     }
 
+    /// Four parts of the normalised irradiance.
     #[inline]
-    pub(crate) fn irradiance_at(&self, sigma_t: f32, place: &Place, legendre: &[f32; 8]) -> f32 {
-        let rows = &self.irradiance[place.row..place.row + 2];
-        let (low, high, p) = (f32x8::from(rows[0]), f32x8::from(rows[1]), f32x8::from(*legendre));
-        let sum = (p * (low + f32x8::splat(place.fraction) * (high - low))).reduce_add();
-        self.strength(sigma_t, place) * sum
+    pub(crate) fn partial_sums(&self, row: usize, fraction: f32, legendre: &[f32x4; 2]) -> f32x4 {
+        let rows = &self.irradiance[row..row + 2];
+        let part = |i: usize| legendre[i] * (rows[0][i] + (rows[1][i] - rows[0][i]) * fraction);
+        part(0) + part(1)
     }
 
     /// Zonal coefficients of the incident radiance about the direction to the emitter, units as above; length `bands`.
@@ -69,6 +72,11 @@ impl ZonalResponse {
         self.map
     }
 
+    /// Whether the power of sigma_t is that of an emitter at a point.
+    pub(crate) fn is_point_like(&self) -> bool {
+        self.point_like
+    }
+
     /// Number of bands.
     pub fn bands(&self) -> usize {
         self.bands
@@ -82,9 +90,9 @@ impl ZonalResponse {
 
 /// P_l(c) for [`IRRADIANCE_DEGREES`]; 0 in the empty place.
 #[inline]
-pub(crate) fn even_legendre(c: f32) -> [f32; 8] {
+pub(crate) fn even_legendre(c: f32) -> [f32x4; 2] {
     let s = c * c;
-    [
+    bytemuck::cast([
         1.0,
         c,
         1.5 * s - 0.5,
@@ -93,7 +101,7 @@ pub(crate) fn even_legendre(c: f32) -> [f32; 8] {
         (((50.273_438 * s - 93.843_75) * s + 54.140_625) * s - 9.843_75) * s + 0.273_437_5,
         ((((180.425_78 * s - 427.324_2) * s + 351.914_06) * s - 117.304_69) * s + 13.535_156) * s - 0.246_093_75,
         0.0,
-    ]
+    ])
 }
 
 /// Response to an emitter with an axis: a small surface element, a spot or lamp.
@@ -115,7 +123,9 @@ pub(crate) struct AnglePlace {
 }
 
 impl AxialResponse {
-    pub(crate) fn new(grid: &Grid, shape: Shape, angles: usize, nodes: Vec<Node>) -> Self {
+    /// From rows (limit, nodes, far limit) of equally many angles.
+    pub(crate) fn new(grid: &Grid, shape: Shape, nodes: Vec<Node>) -> Self {
+        let angles = nodes.len() / Curves::rows(grid);
         Self { map: DistanceMap::new(grid, shape), angles, nodes: nodes.into(), strength: 1.0 }
     }
 
@@ -133,13 +143,14 @@ impl AxialResponse {
     #[inline]
     pub fn irradiance(&self, sigma_t: f32, distance_m: f32, geometry: &Geometry) -> f32 {
         let place = self.map.place(sigma_t * distance_m);
-        self.irradiance_at(sigma_t, &place, self.angle_place(geometry.angle), &geometry.basis)
+        let sums = self.partial_sums(place.row, place.fraction, self.angle_place(geometry.angle), &geometry.basis);
+        self.unit() * sigma_t * sigma_t * place.scale * sums.reduce_add()
     }
 
     /// The stripped coefficients `L_lm/sin^m θ` of the incident radiance, in the order of [`crate::axial::HARMONICS`].
     pub fn coefficients(&self, sigma_t: f32, distance_m: f32, cos_emitter: f32) -> [f32; HARMONIC_COUNT] {
         let place = self.map.place(sigma_t * distance_m);
-        let corners = self.corners(&place, self.angle_place(coordinate(cos_emitter)));
+        let corners = self.corners(place.row, place.fraction, self.angle_place(coordinate(cos_emitter)));
         let scale = self.strength * sigma_t * sigma_t * place.scale;
         let values = corners.map(|(node, weight)| node.values().map(|v| scale * weight * v));
         std::array::from_fn(|h| values.iter().map(|v| v[h]).sum())
@@ -159,19 +170,25 @@ impl AxialResponse {
 
     /// Four neighbours and their weights.
     #[inline]
-    fn corners(&self, place: &Place, angle: AnglePlace) -> [(&Node, f32); 4] {
-        let (v, u) = (angle.fraction, place.fraction);
+    fn corners(&self, row: usize, u: f32, angle: AnglePlace) -> [(&Node, f32); 4] {
+        let v = angle.fraction;
         let (v0, u0) = (1.0 - v, 1.0 - u);
-        let first = place.row * self.angles + angle.node;
+        let first = row * self.angles + angle.node;
         let nodes = &self.nodes[first..first + self.angles + 2];
         let (low, high) = (nodes.first_chunk::<2>(), nodes.last_chunk::<2>());
         let (Some([a, b]), Some([c, d])) = (low, high) else { unreachable!("two angles at least") };
         [(a, u0 * v0), (b, u0 * v), (c, u * v0), (d, u * v)]
     }
 
+    /// Four parts of the normalised irradiance, in units of [`Self::unit`].
     #[inline]
-    pub(crate) fn irradiance_at(&self, sigma_t: f32, place: &Place, angle: AnglePlace, basis: &Basis) -> f32 {
-        let [a, b, c, d] = self.corners(place, angle).map(|(node, weight)| node.dot(basis, weight));
-        self.strength * Basis::UNIT * sigma_t * sigma_t * place.scale * ((a + b) + (c + d)).reduce_add()
+    pub(crate) fn partial_sums(&self, row: usize, fraction: f32, angle: AnglePlace, basis: &Basis) -> f32x4 {
+        let [a, b, c, d] = self.corners(row, fraction, angle);
+        (a.0.dot(basis, a.1) + b.0.dot(basis, b.1)) + (c.0.dot(basis, c.1) + d.0.dot(basis, d.1))
+    }
+
+    /// What partial sums are to be multiplied with.
+    pub(crate) fn unit(&self) -> f32 {
+        self.strength * Basis::UNIT
     }
 }

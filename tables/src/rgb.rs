@@ -1,8 +1,7 @@
 //! The three colour channels of one medium looked up together: geometry, distance and memory are shared as far as they are equal.
 
-use crate::curves::Place;
 use crate::geometry::Geometry;
-use crate::lanes::{DistanceLanes, lanes};
+use crate::lanes::{DistanceLanes, Places, lanes};
 use crate::response::{AxialResponse, ZonalResponse, even_legendre};
 use wide::f32x4;
 
@@ -11,6 +10,8 @@ use wide::f32x4;
 pub struct AxialRgb {
     channels: [AxialResponse; 3],
     distances: DistanceLanes,
+    /// Of the channels, with the unit of the basis.
+    strength: f32x4,
 }
 
 impl AxialRgb {
@@ -19,7 +20,8 @@ impl AxialRgb {
         let angles = channels.each_ref().map(AxialResponse::angles);
         assert!(angles == [angles[0]; 3], "responses of one set have the same angles, not {angles:?}");
         let distances = DistanceLanes::new(channels.each_ref().map(AxialResponse::map));
-        Self { channels, distances }
+        let strength = lanes(channels.each_ref().map(AxialResponse::unit));
+        Self { channels, distances, strength }
     }
 
     /// The channels.
@@ -32,11 +34,16 @@ impl AxialRgb {
     /// *Accuracy*: 1e-5 of the single form for optical distances up to 40. *Cost*: see `docs/tables.md`.
     #[inline]
     pub fn irradiance(&self, sigma_t: [f32; 3], distance_m: f32, geometry: &Geometry) -> [f32; 3] {
-        let places = self.distances.places(lanes(sigma_t) * f32x4::splat(distance_m));
+        let sigma = lanes(sigma_t);
+        let Places { rows: [i, j, k], fractions: [u, v, w], scale } = self.distances.places(sigma * distance_m);
         let angle = self.channels[0].angle_place(geometry.angle);
-        each(&self.channels, sigma_t, &places, |response, sigma, place| {
-            response.irradiance_at(sigma, place, angle, &geometry.basis)
-        })
+        let [a, b, c] = &self.channels;
+        let sums = [
+            a.partial_sums(i, u, angle, &geometry.basis),
+            b.partial_sums(j, v, angle, &geometry.basis),
+            c.partial_sums(k, w, angle, &geometry.basis),
+        ];
+        three(self.strength * scale * sigma * sigma * reduce(sums))
     }
 }
 
@@ -62,13 +69,25 @@ impl ZonalRgb {
     /// As [`ZonalResponse::irradiance`] for three channels at once; accuracy and cost as for [`AxialRgb`].
     #[inline]
     pub fn irradiance(&self, sigma_t: [f32; 3], distance_m: f32, cos_receiver: f32) -> [f32; 3] {
-        let places = self.distances.places(lanes(sigma_t) * f32x4::splat(distance_m));
+        let sigma = lanes(sigma_t);
+        let Places { rows: [i, j, k], fractions: [u, v, w], scale } = self.distances.places(sigma * distance_m);
         let legendre = even_legendre(cos_receiver);
-        each(&self.channels, sigma_t, &places, |response, sigma, place| response.irradiance_at(sigma, place, &legendre))
+        let [a, b, c] = &self.channels;
+        let sums = [a.partial_sums(i, u, &legendre), b.partial_sums(j, v, &legendre), c.partial_sums(k, w, &legendre)];
+        let power = if self.channels[0].is_point_like() { sigma * sigma } else { f32x4::ONE };
+        three(power * scale * reduce(sums))
     }
 }
 
+/// Sums over the lanes of three vectors; the last lane is 0.
 #[inline]
-fn each<R>(channels: &[R; 3], sigma_t: [f32; 3], places: &[Place; 3], at: impl Fn(&R, f32, &Place) -> f32) -> [f32; 3] {
-    std::array::from_fn(|i| at(&channels[i], sigma_t[i], &places[i]))
+fn reduce([a, b, c]: [f32x4; 3]) -> f32x4 {
+    let [x, y, z, w] = f32x4::transpose([a, b, c, f32x4::ZERO]);
+    (x + y) + (z + w)
+}
+
+#[inline]
+fn three(lanes: f32x4) -> [f32; 3] {
+    let [a, b, c, _] = lanes.to_array();
+    [a, b, c]
 }

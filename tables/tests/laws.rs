@@ -222,7 +222,7 @@ fn outside_the_grid_area_and_directional_light_follow_direct_evaluation() {
 
 /// The (0,0) and (1,0) coefficients of a Lambertian element at angle θ from its separated curves.
 fn facing_moments(curves: &[f64], theta: f64) -> [f64; 2] {
-    let cosine = tables::set::cosine_legendre();
+    let cosine = tables::cosine_legendre();
     let mut p = [0.0; 17];
     bake_optics::legendre::legendre_all(theta.cos(), &mut p);
     let mut sum = [0.0; 2];

@@ -154,7 +154,7 @@ fn the_embedded_file_is_what_its_recipe_makes() {
     worst.check();
     assert!(!control.holds(), "other nodes must not pass");
     if std::env::var_os("BAKE_LONG").is_some() {
-        let again = tables::set::generate(&recipe, &|_, _| ()).to_bytes();
+        let again = tables::generate(&recipe, &|_, _| ()).to_bytes();
         assert!(again == tables::set::embedded_bytes(), "`cargo run --release -p tables --example default_tables`");
     }
 }
@@ -169,7 +169,7 @@ fn the_published_layout_can_be_made_and_read() {
         scatter_orders: 2,
         ..Recipe::default()
     };
-    let file = tables::set::to_file(&recipe, &tables::set::compute_tables(&recipe, &|_, _| ()));
+    let file = tables::generate::to_file(&recipe, &tables::generate::compute_tables(&recipe, &|_, _| ()));
     let paper = TableSet::from_file(&TableFile::from_bytes(&file.to_bytes(), "memory").expect("whole")).expect("whole");
     let harmonic = TableSet::embedded();
     assert!(harmonic.fitted_area(&hg(0.0)).is_none());

@@ -135,7 +135,7 @@ fn generate(args: &Generate, global: &Global) -> Result<Outcome, Failure> {
         return Err(Failure::wrong(fault, "`bake tables generate --help` lists the flags"));
     }
     let progress = Progress::new(global, Interrupt::default());
-    let file = set::generate(&recipe, &reporter(&progress));
+    let file = ::tables::generate(&recipe, &reporter(&progress));
     file.write(&args.output).map_err(Failure::failed)?;
     println!("{}", args.output.display());
     Ok(Outcome::Done)
