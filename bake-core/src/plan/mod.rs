@@ -218,3 +218,6 @@ fn memory(scene: &Scene, atlas: &Atlas, sh1: bool) -> u64 {
         .sum();
     (meshes + images + pages) as u64
 }
+
+#[cfg(test)]
+mod tests;
