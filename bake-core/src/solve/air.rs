@@ -6,7 +6,7 @@
 //! uniformly in the angle from the lamp, where both singularities cancel (`dω ds / r² ∝ dγ dβ / d`).
 
 use super::emitters::{LightSample, Strategy, Target, punctual};
-use super::media::{Flight, Leg, Media};
+use super::media::{Flight, InScattered, Leg, Media};
 use super::path::{Arrival, Counters, LastLeg, Paths, Vertex, power_heuristic};
 use super::sampler::Sampler;
 use super::warp;
@@ -64,7 +64,7 @@ impl<M: Media> Paths<'_, '_, M> {
             return Onward::Through;
         }
         let numbers = air.next4();
-        if self.emitters.has_lamps() && !step.is_first {
+        if !M::CACHED && self.emitters.has_lamps() && !step.is_first {
             let lit = self.lamps_along(&leg, arrival, air.next4(), counters);
             radiance[step.last_leg.of_collision()] += step.throughput * lit;
         }
@@ -114,7 +114,8 @@ impl<M: Media> Paths<'_, '_, M> {
         })
     }
 
-    /// In-scattered radiance from one collision on the leg: emitters drawn there, and what the cache holds of the rest.
+    /// In-scattered radiance from one collision on the leg, from the cache. On a path's first leg emitters are drawn there:
+    /// what the cache knows of them is blurred, which only another reflection hides.
     fn look_up(
         &self,
         step: &Step,
@@ -129,13 +130,15 @@ impl<M: Media> Paths<'_, '_, M> {
         };
         let throughput = step.throughput * weight * arrival.passed_before(distance);
         let point = leg.at(distance);
-        if let Some(lit) = self.draw_in_air(point, step.dir, air.next4(), counters) {
-            radiance[step.last_leg.of_collision()] += throughput * lit;
-        }
-        let [once, more] = self.media.cached(point, step.dir, numbers[2]);
-        radiance[step.last_leg.of_collision()] += throughput * once;
+        let InScattered { straight, reflected, collided } = self.media.cached(point, step.dir, numbers[2]);
+        let straight = if step.is_first {
+            self.draw_in_air(point, step.dir, air.next4(), counters).unwrap_or_default()
+        } else {
+            straight
+        };
+        radiance[step.last_leg.of_collision()] += throughput * (straight + reflected);
         if self.media.scatters_again() {
-            radiance[step.last_leg.of_collisions()] += throughput * more;
+            radiance[step.last_leg.of_collisions()] += throughput * collided;
         }
     }
 

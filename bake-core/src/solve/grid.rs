@@ -1,14 +1,18 @@
 //! The light grid: incident radiance in the air at the nodes of a lattice, gathered once, looked up along every path.
 //!
-//! Nodes hold l ≤ 2 harmonics of light that comes straight from surfaces and of light that collided before; light
-//! straight from emitters is drawn where it is needed, exactly. Nodes are filled by the same walks as mode `walk`
-//! ([`super::sphere`]), so the grid's only error is interpolation: no sweeps, nothing to converge.
+//! Nodes hold l ≤ 2 harmonics of light that comes straight from emitters, straight from surfaces, and of light that
+//! collided before. They are filled twice: by a few walks of mode `walk` ([`super::sphere`]), without bias but noisy, then by
+//! many paths that look the first fill up (final gathering). Nothing is iterated; the errors are noise and interpolation.
+//!
+//! Emitters are sharp where the rest is smooth. The first leg of a path draws them where it needs them; later legs take
+//! them from the nodes, which hold their mean over the air that looks them up, so that no beam falls between nodes and
+//! nothing is lost beside a lamp.
 //!
 //! Between nodes one corner of the cell is drawn in proportion to its trilinear weight. In cells with geometry a corner
 //! counts only where it is seen from the point, so that light does not pass walls thinner than a cell. The noise of nodes
 //! is the same for all texels that look them up and is not part of a texel's variance.
 
-use super::media::{Deflected, Flight, Fog, Leg, Media};
+use super::media::{Deflected, Flight, Fog, InScattered, Leg, Media};
 use super::path::{Counters, Paths};
 use super::sampler::{Sampler, hash};
 use super::sphere::{Incident, Sh9, harmonics};
@@ -23,6 +27,8 @@ use rayon::prelude::*;
 pub const MOST_FREE_PATHS: f64 = 0.45;
 /// Cells along a side at most.
 pub const MOST_CELLS: u32 = 40;
+/// Samples of the second fill for one walk of the first, whose noise the second averages over many nodes.
+const WALK_SHARE: u32 = 8;
 /// Rays by which a node learns whether it lies inside something.
 const PROBES: u32 = 12;
 
@@ -31,7 +37,7 @@ const PROBES: u32 = 12;
 pub struct GridSettings {
     /// Cells along the region's longest side at least.
     pub cells: u32,
-    /// Walks a node.
+    /// Samples a node.
     pub samples: u32,
 }
 
@@ -42,24 +48,37 @@ pub struct LightGrid {
     spacing: Vec3,
     /// Nodes along each axis, at least 2.
     size: UVec3,
-    nodes: Vec<Node>,
-    /// Whether the corners of a cell all see each other.
+    /// Whether a node lies outside of solids, in or beside air that scatters.
+    free: Vec<bool>,
+    /// Whether the corners of the cell above a node are free and all see each other.
     clear: Vec<bool>,
+    nodes: Vec<Node>,
+}
+
+/// The cell around a point.
+struct Cell {
+    /// Its lowest corner.
+    lowest: UVec3,
+    /// Trilinear weight of each corner at the point.
+    weights: [f32; 8],
 }
 
 /// Light at a node.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Node {
+    /// Straight from emitters, the mean over the air that looks this node up.
+    straight: Sh9,
     /// Straight from surfaces.
-    once: Sh9,
+    reflected: Sh9,
     /// Collided before.
-    more: Sh9,
-    /// Whether it lies in free air.
-    valid: bool,
+    collided: Sh9,
 }
 
 impl LightGrid {
     /// Lays out and fills the grid.
+    ///
+    /// # Errors
+    /// [`Interrupted`] when the progress asks to stop.
     pub fn solve(
         paths: &Paths<Fog>,
         settings: GridSettings,
@@ -67,21 +86,48 @@ impl LightGrid {
         counters: &mut [u64; 3],
         progress: &dyn Progress,
     ) -> Result<Self, Interrupted> {
+        let mut grid = Self::lay_out(paths, settings.cells, hash(seed, 0));
+        progress.stage("light in the air", 2 * u64::from(grid.node_count()));
+        let walks = settings.samples.div_ceil(WALK_SHARE);
+        grid.nodes = grid.fill(paths, walks, hash(seed, 1), counters, progress)?;
+        let lit = Lit::new(paths.media.clone(), &grid, paths.tracer);
+        let Paths { tracer, emitters, bounces, sh1, .. } = *paths;
+        let paths = Paths { tracer, emitters, media: &lit, bounces, sh1 };
+        grid.nodes = grid.fill(&paths, settings.samples, hash(seed, 2), counters, progress)?;
+        Ok(grid)
+    }
+
+    fn lay_out(paths: &Paths<Fog>, fewest_cells: u32, seed: u32) -> Self {
         let (min, max) = region(paths.media.set, paths.tracer.scene().bounds());
-        let size = lattice(paths.media.set, min, max - min, settings.cells);
+        let size = lattice(paths.media.set, min, max - min, fewest_cells);
         let spacing = (max - min) / (size - 1).as_vec3();
-        let mut grid = Self { min, spacing, size, nodes: vec![], clear: vec![] };
-        progress.stage("light in the air", u64::from(size.element_product()));
-        let nodes = (0..size.element_product()).into_par_iter().map(|index| {
-            let node = grid.node(paths, index, settings.samples, hash(seed, index));
+        let mut grid = Self { min, spacing, size, free: vec![], clear: vec![], nodes: vec![] };
+        let (count, tracer) = (grid.node_count(), paths.tracer);
+        let is_free = |i| {
+            let point = grid.position(grid.lattice_point(i));
+            grid.has_air(paths.media.set, point) && !is_inside(tracer, point, hash(seed, i))
+        };
+        grid.free = (0..count).into_par_iter().map(is_free).collect();
+        grid.clear = (0..count).into_par_iter().map(|i| grid.is_clear(tracer, i)).collect();
+        grid
+    }
+
+    fn fill<M: Media>(
+        &self,
+        paths: &Paths<M>,
+        samples: u32,
+        seed: u32,
+        counters: &mut [u64; 3],
+        progress: &dyn Progress,
+    ) -> Result<Vec<Node>, Interrupted> {
+        let nodes = (0..self.node_count()).into_par_iter().map(|index| {
+            let node = self.node(paths, index, samples, hash(seed, index));
             progress.advance(1);
             if progress.is_cancelled() { Err(Interrupted) } else { Ok(node) }
         });
         let (nodes, counts): (Vec<_>, Vec<_>) = nodes.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
         counts.iter().for_each(|count: &Counters| count.add_to(counters));
-        grid.nodes = nodes;
-        grid.clear = (0..grid.nodes.len() as u32).into_par_iter().map(|i| grid.is_clear(paths.tracer, i)).collect();
-        Ok(grid)
+        Ok(nodes)
     }
 
     /// Nodes along each axis.
@@ -89,26 +135,55 @@ impl LightGrid {
         self.size
     }
 
-    fn node(&self, paths: &Paths<Fog>, index: u32, samples: u32, seed: u32) -> (Node, Counters) {
-        let (point, counters) = (self.position(self.lattice_point(index)), Counters::default());
-        let dark = Node { once: Sh9::default(), more: Sh9::default(), valid: true };
-        if is_inside(paths.tracer, point, seed) {
-            return (Node { valid: false, ..dark }, counters);
-        }
-        if !self.has_air(paths.media.set, point) {
-            return (dark, counters);
-        }
-        let mut sum = Incident::default();
-        for sample in 0..samples {
-            let one = paths.gather_sphere(point, false, &mut Sampler::new(sample, seed), &counters);
-            sum.add_scaled(&one, 1.0 / samples as f32);
-        }
-        let of = |term: Term| sum.terms[term as usize];
-        let more = std::array::from_fn(|i| of(Term::Single)[i] + of(Term::Multiple)[i]);
-        (Node { once: of(Term::Indirect), more, valid: true }, counters)
+    fn node_count(&self) -> u32 {
+        self.size.element_product()
     }
 
-    /// Whether anything scatters within a cell of the point.
+    fn node<M: Media>(&self, paths: &Paths<M>, index: u32, samples: u32, seed: u32) -> (Node, Counters) {
+        let (at, counters) = (self.lattice_point(index), Counters::default());
+        if !self.free[index as usize] {
+            return (Node::default(), counters);
+        }
+        let (mut here, mut around, mut weights) = (Incident::default(), Incident::default(), 0.0);
+        for sample in 0..samples {
+            let mut sampler = Sampler::new(sample, seed);
+            here.add_scaled(&paths.gather_sphere(self.position(at), false, &mut sampler, &counters), 1.0);
+            let [x, y, z, _] = sampler.next4();
+            let (point, weight) = self.around(paths.tracer, at, Vec3::new(x, y, z));
+            around.add_scaled(&paths.emitter_at(point, &mut sampler, &counters), weight);
+            weights += weight;
+        }
+        let mean = |light: &Incident, term: Term, count: f32| light.terms[term as usize].map(|c| c / count);
+        let [reflected, single, multiple] =
+            [Term::Indirect, Term::Single, Term::Multiple].map(|term| mean(&here, term, samples as f32));
+        let node = Node {
+            straight: mean(&around, Term::Direct, weights.max(f32::MIN_POSITIVE)),
+            reflected,
+            collided: std::array::from_fn(|i| single[i] + multiple[i]),
+        };
+        (node, counters)
+    }
+
+    /// A point that may look a node up, drawn by trilinear weight, and the weight that it has beside others of this node:
+    /// more where other corners of its cell are not seen, 0 where this one is not. `u` in [0,1)³.
+    fn around(&self, tracer: &Tracer, at: UVec3, u: Vec3) -> (Vec3, f32) {
+        let tent = |u: f32| if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() };
+        let (node, offset) = (at.as_vec3(), Vec3::from_array(u.to_array().map(tent)));
+        let outside = (node + offset).cmplt(Vec3::ZERO) | (node + offset).cmpgt((self.size - 1).as_vec3());
+        let point = self.min + (node + Vec3::select(outside, -offset, offset)) * self.spacing;
+        let cell = self.cell(point);
+        if self.clear[self.index(cell.lowest)] {
+            return (point, 1.0);
+        }
+        let seen = |corner: &u32| self.sees_node(tracer, point, self.corner(cell.lowest, *corner));
+        if !self.sees_node(tracer, point, at) {
+            return (point, 0.0);
+        }
+        let weights: f32 = (0..8).filter(seen).map(|corner| cell.weights[corner as usize]).sum();
+        (point, 1.0 / weights)
+    }
+
+    /// Whether anything scatters within a cell of a point.
     fn has_air(&self, set: &MediumSet, point: Vec3) -> bool {
         let offsets = |i: u32| UVec3::new(i % 5, i / 5 % 5, i / 25).as_vec3() * 0.5 - 1.0;
         (0..125).any(|i| {
@@ -131,7 +206,7 @@ impl LightGrid {
 
     /// Nodes on the border are moved inwards a little, off the walls that often stand there.
     fn position(&self, at: UVec3) -> Vec3 {
-        const INWARDS: f32 = 1e-3;
+        const INWARDS: f32 = 0.02;
         let inside = at.as_vec3().clamp(Vec3::splat(INWARDS), (self.size - 1).as_vec3() - INWARDS);
         self.min + inside * self.spacing
     }
@@ -140,27 +215,36 @@ impl LightGrid {
         lowest + UVec3::new(corner & 1, corner >> 1 & 1, corner >> 2)
     }
 
-    /// Whether all corners of the cell above a lattice point are valid and see each other.
+    /// Whether all corners of the cell above a lattice point are free and see each other.
     fn is_clear(&self, tracer: &Tracer, index: u32) -> bool {
         let lowest = self.lattice_point(index);
         if (lowest + 1).cmpge(self.size).any() {
             return false;
         }
         let corners: [UVec3; 8] = std::array::from_fn(|i| self.corner(lowest, i as u32));
-        corners.iter().all(|&at| self.nodes[self.index(at)].valid)
+        corners.iter().all(|&at| self.free[self.index(at)])
             && (0..8).all(|a| (0..a).all(|b| sees(tracer, self.position(corners[a]), self.position(corners[b]))))
     }
 
-    /// A node near the point, drawn in proportion to trilinear weights among the corners of its cell that it sees.
-    fn pick(&self, tracer: &Tracer, point: Vec3, mut u: f32) -> Option<&Node> {
+    fn cell(&self, point: Vec3) -> Cell {
         let local = ((point - self.min) / self.spacing).clamp(Vec3::ZERO, (self.size - 1).as_vec3());
         let lowest = local.as_uvec3().min(self.size - 2);
         let share = local - lowest.as_vec3();
-        let mut weights: [f32; 8] = std::array::from_fn(|corner| {
+        let weights = std::array::from_fn(|corner| {
             let along = |axis: usize| if corner >> axis & 1 == 1 { share[axis] } else { 1.0 - share[axis] };
             // A corner may be all that is seen from its opposite.
             (along(0) * along(1) * along(2)).max(1e-6)
         });
+        Cell { lowest, weights }
+    }
+
+    fn sees_node(&self, tracer: &Tracer, point: Vec3, at: UVec3) -> bool {
+        self.free[self.index(at)] && sees(tracer, point, self.position(at))
+    }
+
+    /// A node near the point, drawn in proportion to trilinear weights among the corners of its cell that it sees.
+    fn pick(&self, tracer: &Tracer, point: Vec3, mut u: f32) -> Option<&Node> {
+        let Cell { lowest, mut weights } = self.cell(point);
         let is_clear = self.clear[self.index(lowest)];
         // Corners that are not seen are put away one by one: what remains keeps its proportions.
         for _ in 0..8 {
@@ -172,9 +256,8 @@ impl LightGrid {
             });
             let corner = corner.unwrap_or_else(|| (0..8).rfind(|&i| weights[i] > 0.0).unwrap_or(0));
             let at = self.corner(lowest, corner as u32);
-            let node = &self.nodes[self.index(at)];
-            if is_clear || (node.valid && sees(tracer, point, self.position(at))) {
-                return Some(node);
+            if is_clear || self.sees_node(tracer, point, at) {
+                return Some(&self.nodes[self.index(at)]);
             }
             u = (1.0 + rest / weights[corner]).clamp(0.0, 1.0 - f32::EPSILON);
             weights[corner] = 0.0;
@@ -187,10 +270,10 @@ impl LightGrid {
         let first = lowest.saturating_sub(UVec3::ONE);
         let around =
             (0..64).map(|i| first + UVec3::new(i % 4, i / 4 % 4, i / 16)).filter(|at| at.cmplt(self.size).all());
-        let mut valid: Vec<UVec3> = around.filter(|&at| self.nodes[self.index(at)].valid).collect();
+        let mut free: Vec<UVec3> = around.filter(|&at| self.free[self.index(at)]).collect();
         let distance = |at: &UVec3| self.position(*at).distance_squared(point);
-        valid.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-        valid.iter().find(|&&at| sees(tracer, point, self.position(at))).map(|&at| &self.nodes[self.index(at)])
+        free.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        free.iter().find(|&&at| sees(tracer, point, self.position(at))).map(|&at| &self.nodes[self.index(at)])
     }
 }
 
@@ -252,19 +335,24 @@ impl Media for Lit<'_, '_> {
     }
 
     /// Σ over media of `sigma_s` Σ_l g_l Σ_m L_lm Y_lm(dir), g_l the phase function's Legendre moments (addition theorem).
-    fn cached(&self, point: Vec3, dir: Vec3, u: f32) -> [Vec3; 2] {
-        let Some(node) = self.grid.pick(self.tracer, point, u) else { return [Vec3::ZERO; 2] };
+    ///
+    /// Light of the first kind may come out negative in some directions where forward scattering is strong; its integral
+    /// over directions, all that the next reflection knows, is right.
+    fn cached(&self, point: Vec3, dir: Vec3, u: f32) -> InScattered {
+        let Some(node) = self.grid.pick(self.tracer, point, u) else { return InScattered::default() };
         let y = harmonics(dir);
         let band = |light: &Sh9, range: std::ops::Range<usize>| range.map(|i| light[i] * y[i]).sum::<Vec3>();
-        let bands = [&node.once, &node.more].map(|light| [band(light, 0..1), band(light, 1..4), band(light, 4..9)]);
-        let mut scattered = [Vec3::ZERO; 2];
+        let bands = |light| [band(light, 0..1), band(light, 1..4), band(light, 4..9)];
+        let [straight, reflected, collided] = [&node.straight, &node.reflected, &node.collided].map(bands);
+        let mut sum = InScattered::default();
         for (medium, g) in self.fog.set.media.iter().zip(&self.moments) {
             let sigma_s = (DVec3::from(medium.scatter.sigma_s) * medium.density_at(point.as_dvec3())).as_vec3();
-            for (sum, [b0, b1, b2]) in scattered.iter_mut().zip(bands) {
-                *sum += sigma_s * (b0 * g[0] + b1 * g[1] + b2 * g[2]).max(Vec3::ZERO);
-            }
+            let scattered = |[b0, b1, b2]: [Vec3; 3]| sigma_s * (b0 * g[0] + b1 * g[1] + b2 * g[2]);
+            sum.straight += scattered(straight);
+            sum.reflected += scattered(reflected).max(Vec3::ZERO);
+            sum.collided += scattered(collided).max(Vec3::ZERO);
         }
-        scattered
+        sum
     }
 }
 

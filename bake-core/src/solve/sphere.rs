@@ -52,8 +52,15 @@ impl<M: Media> Paths<'_, '_, M> {
     pub fn gather_sphere(&self, point: Vec3, emitters: bool, sampler: &mut Sampler, counters: &Counters) -> Incident {
         let mut incident = Incident::default();
         let start = Vertex { origin: point, normal_geom: Vec3::ZERO, normal_shading: Vec3::ZERO };
+        let pdf = 1.0 / (4.0 * PI);
         if emitters {
-            self.emitters_at(point, &mut incident, sampler, counters);
+            for strategy in self.strategies_at_points() {
+                let [u, v, w, _] = sampler.next4();
+                if let Some((irradiance, dir, emitter_pdf)) = self.draw_at(point, strategy, [u, v, w], counters) {
+                    let weight = emitter_pdf.map_or(1.0, |own| super::path::power_heuristic(own, pdf));
+                    incident.add(Term::Direct as usize, dir, irradiance * weight);
+                }
+            }
         }
         let mut air = sampler.fork();
         if let Some((radiance, dir, _)) = self.lamps_around(&start, &mut air, counters) {
@@ -61,7 +68,6 @@ impl<M: Media> Paths<'_, '_, M> {
         }
         let [u, v, crossing, lobe] = sampler.next4();
         let dir = warp::uniform_sphere(u, v);
-        let pdf = 1.0 / (4.0 * PI);
         let radiance = self.follow(&start, dir, pdf, [crossing, lobe], (sampler, &mut air), counters);
         for (term, radiance) in radiance.into_iter().enumerate() {
             incident.add(term, dir, radiance / pdf);
@@ -69,15 +75,19 @@ impl<M: Media> Paths<'_, '_, M> {
         incident
     }
 
-    /// Draws every kind of emitter once. What rays may find too is weighed against the uniform direction.
-    fn emitters_at(&self, point: Vec3, incident: &mut Incident, sampler: &mut Sampler, counters: &Counters) {
-        let lamps = self.emitters.has_lamps().then_some(&Strategy::Lamp);
-        for &strategy in self.emitters.strategies_in_air().iter().chain(lamps) {
-            let [u, v, w, _] = sampler.next4();
-            if let Some((irradiance, dir, pdf)) = self.draw_at(point, strategy, [u, v, w], counters) {
-                let weight = pdf.map_or(1.0, |pdf| super::path::power_heuristic(pdf, 1.0 / (4.0 * PI)));
-                incident.add(Term::Direct as usize, dir, irradiance * weight);
-            }
+    /// One sample of the light straight from emitters, drawn from one kind of them.
+    pub(super) fn emitter_at(&self, point: Vec3, sampler: &mut Sampler, counters: &Counters) -> Incident {
+        let [pick, u, v, w] = sampler.next4();
+        let (mut incident, count) = (Incident::default(), self.strategies_at_points().count() as f32);
+        let strategy = self.strategies_at_points().nth((pick * count) as usize);
+        if let Some((irradiance, dir, _)) = strategy.and_then(|s| self.draw_at(point, s, [u, v, w], counters)) {
+            incident.add(Term::Direct as usize, dir, irradiance * count);
         }
+        incident
+    }
+
+    fn strategies_at_points(&self) -> impl Iterator<Item = Strategy> {
+        let lamps = self.emitters.has_lamps().then_some(Strategy::Lamp);
+        self.emitters.strategies_in_air().iter().copied().chain(lamps)
     }
 }

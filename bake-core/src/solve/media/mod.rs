@@ -89,11 +89,21 @@ pub trait Media: Sync {
     /// Density per solid angle with which [`Media::deflect`] draws `to`.
     fn deflect_pdf(&self, point: Vec3, dir: Vec3, to: Vec3) -> f32;
 
-    /// In-scattered radiance per metre against `dir` of light that comes straight from surfaces, and of light that
-    /// collided before. `u` picks among what is near.
-    fn cached(&self, _point: Vec3, _dir: Vec3, _u: f32) -> [Vec3; 2] {
-        [Vec3::ZERO; 2]
+    /// In-scattered radiance against `dir`. `u` picks among what is near.
+    fn cached(&self, _point: Vec3, _dir: Vec3, _u: f32) -> InScattered {
+        InScattered::default()
     }
+}
+
+/// In-scattered radiance per metre, cd/m³, by what the light did before.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct InScattered {
+    /// It came straight from emitters.
+    pub straight: Vec3,
+    /// It came straight from surfaces.
+    pub reflected: Vec3,
+    /// It collided before.
+    pub collided: Vec3,
 }
 
 /// No air.
