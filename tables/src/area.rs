@@ -16,9 +16,9 @@ use std::sync::OnceLock;
 
 // Compute.
 
-/// Nodes in β (on each side of 90°) and γ of [`compute_single`]. Where the kink of the emitter lies inside a panel it costs 3e-5
+/// Nodes in β (on each side of 90°) and γ of [`compute_single`]. Where the kink of the emitter lies inside a panel it costs 1e-5
 /// of the largest coefficient; at θ = 0, 90 and 180° it lies at an end.
-const RULE: (usize, usize) = (128, 80);
+const RULE: (usize, usize) = (256, 80);
 
 /// Once-scattered light of a Lambertian element, normalised and stripped (`d e^d L_lm / sin^m θ`), for each function of the
 /// basis and each node of the angles; `[function][node][harmonic]`, flat.

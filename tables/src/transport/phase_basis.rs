@@ -4,8 +4,8 @@ use bake_optics::legendre::legendre_all;
 use bake_optics::phase::{Deflection, Phase};
 
 /// Legendre orders of the phase function that the shipped order-1 tables hold: 12 would do for irradiance at |g| ≤ 0.8 in front of an
-/// emitter, but light sent straight back (g = 0.5: 0.2 of the mean) needs 20 for 0.1 %. They serve |g| ≤ 0.67;
-/// beyond, the actual function is computed when a medium is prepared, in one or two seconds.
+/// emitter, but light sent straight back (g = 0.5: 0.2 of the mean) needs 20 for 0.1 %. They serve |g| ≤ 0.62;
+/// beyond, the actual function is computed when a medium is prepared, in about a second.
 pub const LEGENDRE_ORDERS: usize = 20;
 
 /// The functions of the deflection angle for which order 1 is computed, all in one pass.
