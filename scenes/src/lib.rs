@@ -11,6 +11,8 @@ pub mod analytic;
 pub mod build;
 pub mod cornell;
 pub mod courtyard;
+pub mod fog_room;
+pub mod fog_yard;
 pub mod furnace;
 pub mod hall;
 pub mod instances;
@@ -49,6 +51,10 @@ pub fn all() -> Vec<SceneFiles> {
     vec![
         cornell::scene(),
         courtyard::scene(),
+        fog_room::with_lamp(),
+        fog_room::with_point(),
+        fog_yard::at_night(),
+        fog_yard::by_day(),
         furnace::scene(),
         hall::scene(),
         instances::scene(),

@@ -3,5 +3,6 @@
 
 mod closed_forms;
 mod dark;
+mod fog;
 mod real_scenes;
 mod truth;
