@@ -9,7 +9,9 @@ use glam::DVec3;
 pub fn by_day() -> SceneFiles {
     let mut glb = yard();
     let sun = glb.light("sun", Light::Directional([4.0; 3]));
-    let from = Place::at(-0.612_372_436, 0.707_106_781, 0.353_553_391).looking_at(DVec3::ZERO);
+    let (azimuth, elevation) = (30f64.to_radians(), 45f64.to_radians());
+    let towards = DVec3::new(-elevation.cos() * azimuth.cos(), elevation.sin(), elevation.cos() * azimuth.sin());
+    let from = Place { translation: towards, ..Place::ORIGIN }.looking_at(DVec3::ZERO);
     glb.node(None, "sun", from, Content::Light(sun));
     SceneFiles { name: "fog_yard_day", glb: glb.finish(), settings: None }
 }
