@@ -109,7 +109,7 @@ impl Plan {
     /// Derives the plan.
     ///
     /// # Errors
-    /// More probes or cells than can be solved and stored.
+    /// More probes or cells than can be solved and stored; media in a build without the feature `media`.
     pub fn derive(
         tracer: &Tracer,
         air: &Air,
@@ -118,6 +118,10 @@ impl Plan {
         threads: usize,
     ) -> Result<Self, SettingsError> {
         let scene = tracer.scene();
+        if cfg!(not(feature = "media")) && !air.is_empty() {
+            let allowed = "none in this program: it was built without the feature `media`".into();
+            return Err(SettingsError::OutOfRange { key: "media".into(), value: air.names.join(", "), allowed });
+        }
         let lattices = Lattices::lay_out(scene, air, settings)?;
         let texels = atlas.pages.iter().map(|page| page.texels.len()).sum();
         let size = AtlasSize {
@@ -219,5 +223,5 @@ fn memory(scene: &Scene, atlas: &Atlas, sh1: bool) -> u64 {
     (meshes + images + pages) as u64
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "media"))]
 mod tests;

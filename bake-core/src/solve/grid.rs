@@ -12,6 +12,7 @@
 //! counts only where it is seen from the point, so that light does not pass walls thinner than a cell. The noise of nodes
 //! is the same for all texels that look them up and is not part of a texel's variance.
 
+pub use super::grid_size::*;
 use super::media::{Deflected, Flight, Fog, InScattered, Leg, Media};
 use super::path::{Counters, Paths};
 use super::sampler::{Sampler, hash};
@@ -23,23 +24,10 @@ use bake_optics::medium::MediumSet;
 use glam::{DVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
-/// Largest distance of nodes, in mean free paths: measured in impulse responses' section 12.5.
-pub const MOST_FREE_PATHS: f64 = 0.45;
-/// Cells along a side at most.
-pub const MOST_CELLS: u32 = 40;
 /// Samples of the second fill for one walk of the first, whose noise the second averages over many nodes.
 const WALK_SHARE: u32 = 8;
 /// Rays by which a node learns whether it lies inside something.
 const PROBES: u32 = 12;
-
-/// How fine the grid is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct GridSettings {
-    /// Cells along the region's longest side at least.
-    pub cells: u32,
-    /// Samples a node.
-    pub samples: u32,
-}
 
 /// A lattice over the scattering air.
 #[derive(Debug, Clone)]
@@ -354,19 +342,6 @@ impl Media for Lit<'_, '_> {
         }
         sum
     }
-}
-
-/// The box in which light is gathered: around what scatters, or around the scene where that has no end.
-pub(crate) fn region(set: &MediumSet, [low, high]: [Vec3; 2]) -> (Vec3, Vec3) {
-    // Air that goes on much farther than the scene is lit there as on the border.
-    let margin = (high - low).max_element();
-    let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for medium in set.media.iter().filter(|m| m.scatter.sigma_s.iter().any(|&s| s > 0.0)) {
-        let [a, b] = medium.bounds.bounding_box().map(|corner| corner.as_vec3());
-        min = min.min(a.max(low - margin));
-        max = max.max(b.min(high + margin));
-    }
-    (min, max.max(min + 1e-3))
 }
 
 /// Nodes along each axis: close enough for the mean free path where the air is densest.

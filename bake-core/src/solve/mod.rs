@@ -7,7 +7,13 @@
 mod air;
 pub mod buffers;
 pub mod emitters;
+#[cfg(feature = "media")]
 pub mod grid;
+pub mod grid_size;
+#[cfg(not(feature = "media"))]
+pub use grid_size as grid;
+#[cfg(feature = "media")]
+mod in_air;
 pub mod lattice;
 pub mod media;
 pub mod path;
@@ -15,6 +21,7 @@ pub mod pilot;
 pub mod points;
 pub mod sampler;
 pub mod sphere;
+#[cfg(feature = "media")]
 pub mod tables;
 pub mod texels;
 pub mod warp;
@@ -26,15 +33,15 @@ use bake_optics::medium::MediumSet;
 use buffers::{PageBuffers, TermImage, Validity};
 use emitters::Emitters;
 use glam::Vec3;
-use grid::{GridSettings, LightGrid, Lit};
+use grid::GridSettings;
+#[cfg(feature = "media")]
+use in_air::InAir;
 use lattice::Lattice;
-use media::{Fog, Media, Vacuum};
+use media::{Media, Vacuum};
 use path::{Counters, Gather, Gathered, Paths};
 use points::LatticeLight;
 use rayon::prelude::*;
 use sampler::{MAX_SAMPLES, Sampler, hash};
-use tables::TablePaths;
-use tables::medium::Tabled;
 use texels::Start;
 
 /// Luminance of linear Rec.709.
@@ -42,11 +49,6 @@ pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
 /// Independent sequences per texel.
 pub const REPLICATES: usize = 8;
-
-/// Of the light grid, beside those of pages.
-const GRID_SEED: u32 = 0x6772_6964;
-/// Tells the random numbers of the tables\' factors from those of pages.
-const FACTORS_SEED: u32 = 0x7461_626c;
 
 /// Texels that one task solves.
 const TEXELS_PER_TASK: usize = 64;
@@ -160,19 +162,10 @@ struct Estimate {
 /// A scene and its air made ready: the light grid is filled where the mode asks for one.
 pub struct Solver<'a, 's> {
     tracer: &'a Tracer<'s>,
-    air: Ready<'a>,
     settings: &'a LightmapSettings,
-    /// Rays, shadow rays and cut paths that the grid took.
-    counts: [u64; 3],
-}
-
-/// The air, as paths meet it.
-enum Ready<'a> {
-    Vacuum,
-    Walk(Fog<'a>),
-    Grid(Fog<'a>, LightGrid),
-    /// Tables answer at surfaces; points in the air are walked.
-    Tables(&'a MediumSet, Fog<'a>),
+    /// None in a vacuum.
+    #[cfg(feature = "media")]
+    air: Option<InAir<'a>>,
 }
 
 impl<'a, 's> Solver<'a, 's> {
@@ -180,26 +173,27 @@ impl<'a, 's> Solver<'a, 's> {
     ///
     /// # Errors
     /// [`Interrupted`] when the progress asks to stop.
+    ///
+    /// # Panics
+    /// On media where the crate was built without its feature `media`; a plan refuses them before.
     pub fn prepare(
         tracer: &'a Tracer<'s>,
         media: &'a MediumSet,
         settings: &'a LightmapSettings,
         progress: &dyn Progress,
     ) -> Result<Self, Interrupted> {
-        let (fog, mut counts) = (Fog::new(media).scattering_again(settings.multiple), [0; 3]);
-        let air = match settings.mode {
-            _ if media.media.is_empty() => Ready::Vacuum,
-            Mode::Grid if fog.scatters => {
-                let emitters = emitters(tracer, settings);
-                let paths = paths(tracer, &emitters, &fog, settings);
-                let seed = hash(settings.seed, GRID_SEED);
-                let grid = LightGrid::solve(&paths, settings.grid, seed, &mut counts, progress)?;
-                Ready::Grid(fog, grid)
-            }
-            Mode::Tables if fog.scatters => Ready::Tables(media, fog),
-            _ => Ready::Walk(fog),
-        };
-        Ok(Self { tracer, air, settings, counts })
+        let has_air = !media.media.is_empty();
+        #[cfg(not(feature = "media"))]
+        {
+            let _ = progress;
+            assert!(!has_air, "{} media and no feature `media` to solve them", media.media.len());
+            Ok(Self { tracer, settings })
+        }
+        #[cfg(feature = "media")]
+        {
+            let air = has_air.then(|| InAir::prepare(tracer, media, settings, progress)).transpose()?;
+            Ok(Self { tracer, settings, air })
+        }
     }
 
     /// Solves every page of the atlas; the counts include the grid's.
@@ -208,16 +202,11 @@ impl<'a, 's> Solver<'a, 's> {
     /// [`Interrupted`] when the progress asks to stop; nothing is returned then.
     pub fn lightmap(&self, atlas: &Atlas, progress: &dyn Progress) -> Result<Lightmap, Interrupted> {
         let Self { tracer, settings, .. } = self;
-        let mut lightmap = match &self.air {
-            Ready::Vacuum => pages(tracer, &Vacuum, atlas, settings, progress)?,
-            Ready::Walk(fog) => pages(tracer, fog, atlas, settings, progress)?,
-            Ready::Tables(media, _) => by_tables(tracer, media, atlas, settings, progress)?,
-            Ready::Grid(fog, grid) => pages(tracer, &Lit::new(fog.clone(), grid, tracer), atlas, settings, progress)?,
-        };
-        lightmap.rays += self.counts[0];
-        lightmap.shadow_rays += self.counts[1];
-        lightmap.cut_paths += self.counts[2];
-        Ok(lightmap)
+        #[cfg(feature = "media")]
+        if let Some(air) = &self.air {
+            return air.lightmap(tracer, atlas, settings, progress);
+        }
+        pages(tracer, &Vacuum, atlas, settings, progress)
     }
 
     /// Solves the points of a lattice, to the same error as pages.
@@ -227,16 +216,11 @@ impl<'a, 's> Solver<'a, 's> {
     pub fn lattice(&self, lattice: &Lattice, progress: &dyn Progress) -> Result<LatticeLight, Interrupted> {
         let Self { tracer, settings, .. } = self;
         let emitters = emitters(tracer, settings);
-        match &self.air {
-            Ready::Vacuum => points::solve(&paths(tracer, &emitters, &Vacuum, settings), lattice, settings, progress),
-            Ready::Walk(fog) | Ready::Tables(_, fog) => {
-                points::solve(&paths(tracer, &emitters, fog, settings), lattice, settings, progress)
-            }
-            Ready::Grid(fog, grid) => {
-                let lit = Lit::new(fog.clone(), grid, tracer);
-                points::solve(&paths(tracer, &emitters, &lit, settings), lattice, settings, progress)
-            }
+        #[cfg(feature = "media")]
+        if let Some(air) = &self.air {
+            return air.lattice(tracer, &emitters, lattice, settings, progress);
         }
+        points::solve(&paths(tracer, &emitters, &Vacuum, settings), lattice, settings, progress)
     }
 }
 
@@ -310,22 +294,6 @@ fn pages<M: Media>(
 ) -> Result<Lightmap, Interrupted> {
     let emitters = emitters(tracer, settings);
     let paths = Paths { sh1: settings.sh1, ..paths(tracer, &emitters, media, settings) };
-    solve_pages(&paths, atlas, settings, progress)
-}
-
-fn by_tables(
-    tracer: &Tracer,
-    media: &MediumSet,
-    atlas: &Atlas,
-    settings: &LightmapSettings,
-    progress: &dyn Progress,
-) -> Result<Lightmap, Interrupted> {
-    progress.stage("measure factors", 1);
-    let (emitters, reduced) = (emitters(tracer, settings), tables::medium::reduce(media));
-    let tabled = Tabled::new(&reduced);
-    let paths = paths(tracer, &emitters, &tabled, settings);
-    let paths = TablePaths::new(paths, tables::factors::Effort::default(), hash(settings.seed, FACTORS_SEED));
-    progress.advance(1);
     solve_pages(&paths, atlas, settings, progress)
 }
 

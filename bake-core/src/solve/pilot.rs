@@ -1,7 +1,9 @@
 //! A first look at the light on texels, a few thousand paths long: what bounds on contributions are shares of.
 
 use super::emitters::Emitters;
-use super::media::{Fog, Media, Vacuum};
+#[cfg(feature = "media")]
+use super::media::Fog;
+use super::media::{Media, Vacuum};
 use super::path::{Counters, Gather, Paths};
 use super::sampler::{Sampler, hash};
 use super::{LUMINANCE, LightmapSettings, paths, texels};
@@ -23,21 +25,26 @@ const SEED: u32 = 0x7069_6c6f;
 /// n/2 − 1.5 √n is taken, which lies above the median once in 700 times, whatever the distribution (binomial, three
 /// standard deviations).
 pub fn median(tracer: &Tracer, air: &MediumSet, atlas: &Atlas, settings: &LightmapSettings) -> f64 {
-    let mut air = air.clone();
-    for medium in &mut air.media {
-        medium.scatter.sigma_a = medium.scatter.sigma_t();
-        medium.scatter.sigma_s = [0.0; 3];
-    }
     let emitters = Emitters::new(tracer);
-    let mut levels = if air.media.is_empty() {
-        levels(&paths(tracer, &emitters, &Vacuum, settings), atlas, settings.seed)
-    } else {
-        levels(&paths(tracer, &emitters, &Fog::new(&air), settings), atlas, settings.seed)
+    let mut levels = match absorbing(air) {
+        #[cfg(feature = "media")]
+        Some(air) => levels(&paths(tracer, &emitters, &Fog::new(&air), settings), atlas, settings.seed),
+        _ => levels(&paths(tracer, &emitters, &Vacuum, settings), atlas, settings.seed),
     };
     levels.sort_by(f64::total_cmp);
     let count = levels.len() as f64;
     let rank = (0.5 * count - 1.5 * count.sqrt()).max(0.0);
     levels.get(rank as usize).copied().unwrap_or(0.0)
+}
+
+/// Air that takes what it meets; none without media.
+fn absorbing(air: &MediumSet) -> Option<MediumSet> {
+    let mut air = air.clone();
+    for medium in &mut air.media {
+        medium.scatter.sigma_a = medium.scatter.sigma_t();
+        medium.scatter.sigma_s = [0.0; 3];
+    }
+    (!air.media.is_empty()).then_some(air)
 }
 
 fn levels<M: Media>(paths: &Paths<M>, atlas: &Atlas, seed: u32) -> Vec<f64> {

@@ -1,13 +1,19 @@
 //! The solver against closed forms: laws, analytic values, furnaces with their partial sums, each with a wrong twin.
 
+#[cfg(feature = "media")]
 mod air_laws;
+#[cfg(feature = "media")]
 mod fog;
+#[cfg(feature = "media")]
 mod points;
+#[cfg(feature = "media")]
 mod tables;
 
 use super::*;
 use crate::progress::Silent;
 use crate::scene::{Environment, Light, LightKind, Scene};
+#[cfg(feature = "media")]
+use crate::solve::media::Fog;
 use crate::test_scenes::{closed_box, matte, point_light, quad, quad_atlas, scene};
 use glam::Affine3A;
 use std::f32::consts::PI;

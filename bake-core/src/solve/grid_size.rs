@@ -1,0 +1,31 @@
+//! Where the light grid lies and how fine it may be: what settings and plan know of it without solving any air.
+
+use bake_optics::medium::MediumSet;
+use glam::Vec3;
+
+/// Largest distance of nodes, in mean free paths: measured in impulse responses' section 12.5.
+pub const MOST_FREE_PATHS: f64 = 0.45;
+/// Cells along a side at most.
+pub const MOST_CELLS: u32 = 40;
+
+/// How fine the grid is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct GridSettings {
+    /// Cells along the region's longest side at least.
+    pub cells: u32,
+    /// Samples a node.
+    pub samples: u32,
+}
+
+/// The box in which light is gathered: around what scatters, or around the scene where that has no end.
+pub(crate) fn region(set: &MediumSet, [low, high]: [Vec3; 2]) -> (Vec3, Vec3) {
+    // Air that goes on much farther than the scene is lit there as on the border.
+    let margin = (high - low).max_element();
+    let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for medium in set.media.iter().filter(|m| m.scatter.sigma_s.iter().any(|&s| s > 0.0)) {
+        let [a, b] = medium.bounds.bounding_box().map(|corner| corner.as_vec3());
+        min = min.min(a.max(low - margin));
+        max = max.max(b.min(high + margin));
+    }
+    (min, max.max(min + 1e-3))
+}
