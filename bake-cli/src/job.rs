@@ -1,6 +1,5 @@
 //! What `run`, `plan` and `study` work on: a scene made ready, its errors told as the program tells them.
 
-use crate::commands::later;
 use crate::exit::Failure;
 use crate::input::Input;
 use crate::progress::Progress;
@@ -10,12 +9,10 @@ use bake_core::atlas::AtlasError;
 pub use bake_core::job::Job;
 use bake_core::job::JobError;
 use bake_core::progress::Progress as _;
-use bake_core::settings::Settings;
 
 /// Loads and lays out.
 pub fn prepare(input: &Input, progress: &Progress, stopwatch: &mut Stopwatch) -> Result<Job, Failure> {
     let settings = input.settings()?;
-    refuse_later(&settings)?;
     let job = Job::prepare(&input.file, settings, progress)?;
     job.seconds.iter().for_each(|&(stage, seconds)| stopwatch.add(stage, seconds));
     Ok(job)
@@ -55,12 +52,4 @@ impl From<AtlasError> for Failure {
 /// Ends the command where Ctrl-C was pressed.
 pub fn stop_if_interrupted(progress: &Progress) -> Result<(), Failure> {
     if progress.is_cancelled() { Err(Failure::Interrupted) } else { Ok(()) }
-}
-
-/// Settings that are understood, and whose effect is not built.
-fn refuse_later(settings: &Settings) -> Result<(), Failure> {
-    if settings.time_budget.is_some() {
-        return Err(later::refuse("`--time-budget`"));
-    }
-    Ok(())
 }

@@ -80,7 +80,7 @@ fn record(scene_file: &Path, job: &Job, plan: &Plan) -> Result<Record, Failure> 
         settings: fingerprint::settings(&job.settings).map_err(Failure::failed)?,
         plan: serde_json::to_value(&plan.effects).expect("plain data becomes JSON"),
         warnings: job.warnings.clone(),
-        reproducible: true,
+        reproducible: job.settings.time_budget.is_none(),
         pixels: if job.settings.half { PixelFormat::F16 } else { PixelFormat::F32 },
     })
 }

@@ -72,6 +72,8 @@ pub struct Measured {
     pub filled_texels: u64,
     /// Of those, without any value.
     pub unbaked_texels: u64,
+    /// Of those, texels of objects that got no light at all: what ends a bake with code 3.
+    pub lightless_texels: u64,
     /// Page by page.
     pub pages: Vec<PageMeasured>,
     /// The probes.
@@ -148,6 +150,7 @@ impl Measured {
             texels: good + buried,
             filled_texels: buried,
             unbaked_texels: 0,
+            lightless_texels: 0,
             pages: lightmap.reports.iter().map(PageMeasured::from).collect(),
             probes: None,
             fog_volume: None,
@@ -179,7 +182,7 @@ impl Measured {
             line("", format!("{} buried in other geometry, filled from their neighbours", self.filled_texels));
         }
         if self.unbaked_texels > 0 {
-            line("", format!("{} without any light: every texel of their chart is buried", self.unbaked_texels));
+            line("", format!("{} hidden: their charts lie wholly inside other geometry", self.unbaked_texels));
         }
         for (name, report) in [("probes", &self.probes), ("cells", &self.fog_volume)] {
             if let Some(LatticeReport { points, invalid_points, moved_points, samples, error, .. }) = report {

@@ -11,15 +11,16 @@ use crate::plan_text;
 use crate::progress::Progress;
 use crate::report::{Measured, Stopwatch};
 use bake_core::plan::Plan;
-use bake_core::post;
+use bake_core::post::{self, Hidden};
 use bake_core::progress::{Interrupted, Progress as _};
-use bake_core::solve::buffers::{PageBuffers, Validity};
+use bake_core::solve::buffers::PageBuffers;
 use bake_core::solve::lattice::Lattice;
 use bake_core::solve::points::{LatticeLight, LatticeReport};
-use bake_core::solve::{self, Lightmap, Solver};
+use bake_core::solve::{self, Lightmap, LightmapSettings, Solver};
 use bake_core::trace::Tracer;
 use bake_optics::medium::MediumSet;
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -49,7 +50,7 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     } else if !global.quiet {
         print!("{}", measured.table());
     }
-    Ok(if measured.unbaked_texels == 0 { Outcome::Done } else { Outcome::DoneWithGaps })
+    Ok(if measured.lightless_texels == 0 { Outcome::Done } else { Outcome::DoneWithGaps })
 }
 
 fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, Failure> {
@@ -81,14 +82,17 @@ fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, F
         missed_points(name, light.as_ref().filter(|_| job.settings.samples.is_none())?, target)
     }));
     job.warnings.extend(endless_paths(lightmap));
+    let hidden = post::hidden(&job.atlas, &lightmap.pages);
+    job.warnings.extend(lightless(&job, &hidden));
     // Without air the bake is its own vacuum.
     let vacuum = job.settings.keep_vacuum.then(|| vacuum.as_deref().unwrap_or(&lightmap.pages));
     let (probes, fog_volume) = (probes.as_ref(), fog_volume.as_ref());
     let pages = Pages { finished: &lightmap.pages, raw: raw.as_deref(), vacuum, probes, fog_volume };
     let package = stopwatch.time("write", || output.write(&args.input.file, &job, &plan, pages))?;
     let mut measured = Measured::new(stopwatch, lightmap, target);
-    measured.unbaked_texels = lightmap.pages.iter().map(without_value).sum();
-    measured.filled_texels -= measured.unbaked_texels;
+    measured.unbaked_texels = hidden.texels;
+    measured.lightless_texels = hidden.lightless_texels;
+    measured.filled_texels -= hidden.texels;
     measured.probes = probes.map(|light| light.report);
     measured.fog_volume = fog_volume.map(|light| light.report);
     measured.warnings = job.warnings;
@@ -125,7 +129,8 @@ fn trace(
     progress: &Progress,
     stopwatch: &mut Stopwatch,
 ) -> Result<Solved, Failure> {
-    let (media, settings) = (&plan.simulated.media, &plan.solver);
+    let deadline = job.settings.time_budget.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
+    let (media, settings) = (&plan.simulated.media, &LightmapSettings { deadline, ..plan.solver.clone() });
     let solver = stopwatch.time("light in the air", || Solver::prepare(tracer, media, settings, progress))?;
     let mut lightmap = stopwatch.time("trace", || solver.lightmap(&job.atlas, progress))?;
     let mut vacuum = None;
@@ -164,8 +169,19 @@ fn finish_pages(job: &Job, pages: &mut [PageBuffers]) {
     post::stitch(&seams, &job.atlas, pages);
 }
 
-fn without_value(page: &PageBuffers) -> u64 {
-    page.validity.iter().filter(|state| **state == Validity::Buried).count() as u64
+/// A warning that names what got no light at all.
+fn lightless(job: &Job, hidden: &Hidden) -> Option<String> {
+    const NAMED: usize = 3;
+    let paths = hidden.lightless.iter().map(|&i| format!("\"{}\"", job.scene.instances[i as usize].path));
+    let named: Vec<String> = paths.take(NAMED).collect();
+    let more = hidden.lightless.len().checked_sub(NAMED + 1).map_or(String::new(), |n| format!(" and {} more", n + 1));
+    (!named.is_empty()).then(|| {
+        format!(
+            "no light could be found for {}{more}: inside other geometry, or turned inside out; check the faces' winding, \
+             or take the node out of the lightmap (`nodes` in the settings)",
+            named.join(", ")
+        )
+    })
 }
 
 /// A warning where the cap on samples ended a page before its error was small enough.

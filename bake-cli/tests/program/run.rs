@@ -258,5 +258,16 @@ fn texels_that_cannot_be_baked_give_code_3() {
     desk.write("sealed.gltf", gltf(-1.0));
     let ended = desk.bake(&format!("run sealed.gltf --sky 100 {SMALL}"));
     assert_eq!(ended.code, Some(3), "{ended:#?}");
-    assert!(ended.out.contains("without any light"), "{}", ended.out);
+    let told = std::fs::read_to_string(desk.path("sealed.bake/sealed.run.json")).expect("measurements are written");
+    assert!(told.contains("no light could be found for"), "{told}");
+}
+
+#[test]
+fn a_time_budget_ends_the_bake_and_is_told() {
+    let desk = Desk::with_room();
+    desk.bake("run room.glb --quality final --max-pages 1 --page-size 64 --time-budget 0.2 -o out").expect(0, &[]);
+    let package = Package::open(&desk.path("out")).expect("a package");
+    assert!(!package.manifest.reproducible, "bytes depend on the machine");
+    let error = package.manifest.error_estimate.expect("an estimate").relative_standard_error;
+    assert!(error > 0.01, "a fifth of a second was enough for the whole bake: {error}");
 }

@@ -2,11 +2,13 @@
 //! reached, then [`stitch`] makes the two sides of each cut agree; [`seam_score`] measures how well they do.
 
 mod dilate;
+mod hidden;
 mod score;
 mod seams;
 mod stitch;
 
 pub use dilate::dilate;
+pub use hidden::{Hidden, hidden};
 pub use score::{SeamScore, seam_score};
 pub use seams::{Seam, SeamSide, find_seams};
 pub use stitch::stitch;

@@ -95,6 +95,7 @@ impl Settings {
             bounces: self.bounces,
             sh1: self.sh1,
             seed: self.seed,
+            deadline: None,
             environment: true,
             multiple: true,
             mode: Mode::Walk,

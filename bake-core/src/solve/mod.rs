@@ -1,8 +1,8 @@
 //! Light on texels: path tracing from the surface points of every texel until the page's error is small enough.
 //!
 //! A texel's samples are split over [`REPLICATES`] independently scrambled sequences; the spread of their means gives
-//! the standard error. Rounds double the samples of every texel of a page until the target or the cap is reached.
-//! Results depend on scene, atlas, settings and seed alone, never on threads.
+//! the standard error. Rounds add samples to every texel of a page until the target or the cap is reached ([`rounds`]).
+//! Results depend on scene, atlas, settings and seed alone, never on threads; under a deadline on the machine too.
 
 mod air;
 pub mod buffers;
@@ -19,6 +19,7 @@ pub mod media;
 pub mod path;
 pub mod pilot;
 pub mod points;
+mod rounds;
 pub mod sampler;
 pub mod sphere;
 #[cfg(feature = "media")]
@@ -41,7 +42,9 @@ use media::{Media, Vacuum};
 use path::{Counters, Gather, Gathered, Paths};
 use points::LatticeLight;
 use rayon::prelude::*;
-use sampler::{MAX_SAMPLES, Sampler, hash};
+use rounds::Rounds;
+use sampler::{Sampler, hash};
+use std::time::Instant;
 use texels::Start;
 
 /// Luminance of linear Rec.709.
@@ -68,6 +71,8 @@ pub struct LightmapSettings {
     pub sh1: bool,
     /// Same seed, same bits.
     pub seed: u32,
+    /// Moment at which sampling ends, whatever the error; pages share the time by their texels. Bits do not repeat then.
+    pub deadline: Option<Instant>,
     /// Whether the scene's environment shines.
     pub environment: bool,
     /// Whether light is scattered more than once between surfaces; not known to [`Mode::Tables`].
@@ -100,6 +105,7 @@ impl Default for LightmapSettings {
             bounces: None,
             sh1: false,
             seed: 0,
+            deadline: None,
             environment: true,
             multiple: true,
             mode: Mode::Walk,
@@ -252,39 +258,6 @@ pub fn lightmap(
     Solver::prepare(tracer, media, settings, progress)?.lightmap(atlas, progress)
 }
 
-/// Samples per replicate, round by round: as many more as the error asks for, at most four times as many.
-struct Rounds {
-    done: u32,
-    next: u32,
-    cap: u32,
-    target: f32,
-}
-
-impl Rounds {
-    fn new(settings: &LightmapSettings) -> Self {
-        let per_replicate = |samples: u32| samples.div_ceil(REPLICATES as u32).clamp(1, MAX_SAMPLES);
-        let (floor, cap) = (per_replicate(settings.min_samples), per_replicate(settings.max_samples));
-        Self { done: 0, next: floor.min(cap), cap, target: settings.target_error }
-    }
-
-    /// Those of this round.
-    fn samples(&self) -> std::ops::Range<u32> {
-        self.done..self.next
-    }
-
-    /// Whether another round is wanted after one that left `error`; [`Self::samples`] are that round's then.
-    fn go_on(&mut self, error: f32) -> bool {
-        if error <= self.target || self.next == self.cap {
-            return false;
-        }
-        self.done = self.next;
-        let wanted = f64::from(self.done) * f64::from(error / self.target).powi(2) * 1.05;
-        let most = self.done.saturating_mul(4);
-        self.next = (wanted.min(1e9) as u32).clamp(self.done + self.done.div_ceil(4), most).min(self.cap);
-        true
-    }
-}
-
 fn pages<M: Media>(
     tracer: &Tracer,
     media: &M,
@@ -305,8 +278,13 @@ fn solve_pages<G: Gather>(
     progress: &dyn Progress,
 ) -> Result<Lightmap, Interrupted> {
     let mut lightmap = Lightmap { pages: vec![], reports: vec![], rays: 0, shadow_rays: 0, cut_paths: 0 };
+    let mut texels_left: usize = atlas.pages.iter().map(|page| page.texels.len()).sum();
     for (index, page) in atlas.pages.iter().enumerate() {
-        let solver = PageSolver { paths, page, settings, progress, seed: hash(settings.seed, index as u32) };
+        let share = page.texels.len() as f64 / texels_left.max(1) as f64;
+        texels_left -= page.texels.len();
+        let now = Instant::now();
+        let deadline = settings.deadline.map(|end| now + end.saturating_duration_since(now).mul_f64(share));
+        let solver = PageSolver { paths, page, settings, progress, deadline, seed: hash(settings.seed, index as u32) };
         solver.solve(&mut lightmap)?;
     }
     Ok(lightmap)
@@ -317,6 +295,7 @@ struct PageSolver<'a, G> {
     page: &'a Page,
     settings: &'a LightmapSettings,
     progress: &'a dyn Progress,
+    deadline: Option<Instant>,
     seed: u32,
 }
 
@@ -324,7 +303,7 @@ impl<G: Gather> PageSolver<'_, G> {
     fn solve(&self, lightmap: &mut Lightmap) -> Result<(), Interrupted> {
         let starts = self.starts()?;
         let mut estimates = vec![Estimate::default(); starts.len()];
-        let mut rounds = Rounds::new(self.settings);
+        let mut rounds = Rounds::new(self.settings, self.deadline);
         loop {
             self.round(&starts, &mut estimates, rounds.samples(), lightmap)?;
             let report = self.report(&starts, &estimates, rounds.samples().end * REPLICATES as u32);

@@ -6,9 +6,10 @@
 use super::lattice::Lattice;
 use super::media::Media;
 use super::path::{Counters, Paths};
+use super::rounds::Rounds;
 use super::sampler::{Sampler, hash};
 use super::sphere::{Incident, Sh9};
-use super::{LUMINANCE, LightmapSettings, REPLICATES, Rounds};
+use super::{LUMINANCE, LightmapSettings, REPLICATES};
 use crate::progress::{Interrupted, Progress};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -83,7 +84,7 @@ pub(super) fn solve<M: Media>(
     let places: Vec<Option<Vec3>> = places.collect::<Result<_, _>>()?;
     let mut estimates = vec![Estimate { mean: Sh9::default(), replicates: Default::default() }; points];
     let mut sums = [0; 3];
-    let mut rounds = Rounds::new(settings);
+    let mut rounds = Rounds::new(settings, settings.deadline);
     let error = loop {
         progress.stage("light at points", points as u64);
         let tasks = estimates.par_iter_mut().zip(&places).enumerate().map(|(index, (estimate, place))| {

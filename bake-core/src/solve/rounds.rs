@@ -1,0 +1,87 @@
+//! How many samples are taken, round by round: until the error is small enough, the cap is reached or the time is over.
+
+use super::sampler::MAX_SAMPLES;
+use super::{LightmapSettings, REPLICATES};
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+/// Samples of a first round whose pace is not known yet, under a deadline.
+const FIRST_SAMPLES: u32 = 8;
+
+/// Samples per replicate, round by round: as many more as the error asks for, at most four times as many.
+pub(super) struct Rounds {
+    done: u32,
+    next: u32,
+    cap: u32,
+    target: f32,
+    deadline: Option<Instant>,
+    begin: Instant,
+}
+
+impl Rounds {
+    /// The first of them; `deadline` is that of this page or lattice alone.
+    pub(super) fn new(settings: &LightmapSettings, deadline: Option<Instant>) -> Self {
+        let per_replicate = |samples: u32| samples.div_ceil(REPLICATES as u32).clamp(1, MAX_SAMPLES);
+        let first = if deadline.is_some() { FIRST_SAMPLES } else { settings.min_samples };
+        let (floor, cap) = (per_replicate(first.min(settings.min_samples)), per_replicate(settings.max_samples));
+        let next = floor.min(cap);
+        Self { done: 0, next, cap, target: settings.target_error, deadline, begin: Instant::now() }
+    }
+
+    /// Those of this round.
+    pub(super) fn samples(&self) -> Range<u32> {
+        self.done..self.next
+    }
+
+    /// Whether another round is wanted after one that left `error`; [`Self::samples`] are that round's then.
+    pub(super) fn go_on(&mut self, error: f32) -> bool {
+        if error <= self.target || self.next == self.cap {
+            return false;
+        }
+        let pace = self.begin.elapsed() / (self.next - self.done).max(1);
+        self.done = self.next;
+        let wanted = f64::from(self.done) * f64::from(error / self.target).powi(2) * 1.05;
+        let most = self.done.saturating_mul(4);
+        self.next = (wanted.min(1e9) as u32).clamp(self.done + self.done.div_ceil(4), most).min(self.cap);
+        self.begin = Instant::now();
+        self.next = self.next.min(self.done.saturating_add(self.fitting(pace)));
+        self.next > self.done
+    }
+
+    /// Samples that are done before the deadline, when one takes as long as `pace`.
+    fn fitting(&self, pace: Duration) -> u32 {
+        let Some(deadline) = self.deadline else { return u32::MAX };
+        let left = deadline.saturating_duration_since(self.begin);
+        (left.as_secs_f64() / pace.as_secs_f64().max(1e-9)).min(f64::from(MAX_SAMPLES)) as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings() -> LightmapSettings {
+        LightmapSettings { target_error: 0.01, min_samples: 64, max_samples: 1 << 16, ..LightmapSettings::default() }
+    }
+
+    #[test]
+    fn rounds_grow_as_the_error_asks() {
+        let mut rounds = Rounds::new(&settings(), None);
+        assert_eq!(rounds.samples(), 0..8);
+        assert!(rounds.go_on(0.1), "ten times the error");
+        assert_eq!(rounds.samples(), 8..32);
+        assert!(rounds.go_on(0.012));
+        assert_eq!(rounds.samples(), 32..48);
+        assert!(!rounds.go_on(0.01), "reached");
+    }
+
+    #[test]
+    fn a_deadline_ends_them() {
+        let past = Instant::now();
+        let mut rounds = Rounds::new(&settings(), Some(past));
+        assert_eq!(rounds.samples(), 0..1, "something is baked in any case");
+        assert!(!rounds.go_on(0.1));
+        let mut rounds = Rounds::new(&settings(), Some(past + Duration::from_secs(3600)));
+        assert!(rounds.go_on(0.1), "an hour is enough for more");
+    }
+}
