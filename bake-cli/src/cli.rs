@@ -76,6 +76,8 @@ pub enum Command {
     Sample(commands::sample::Args),
     /// Compare two packages: bias, relative RMSE, worst texels, by term
     Diff(commands::diff::Args),
+    /// Show what accuracy costs in time: a report of many bakes of one scene
+    Study(Box<commands::study::Args>),
     /// Show what was baked
     #[cfg(feature = "view")]
     View(Box<commands::view::Args>),

@@ -36,6 +36,8 @@ pub enum Failure {
     Invalid(Report),
     /// Ctrl-C: exit code 130.
     Interrupted,
+    /// Ctrl-C on work that can go on later, told in words: exit code 130.
+    Paused(String),
 }
 
 impl Failure {
@@ -75,7 +77,7 @@ impl Failure {
         match self {
             Self::Failed(_) => FAILED,
             Self::Invalid(_) => INVALID,
-            Self::Interrupted => INTERRUPTED,
+            Self::Interrupted | Self::Paused(_) => INTERRUPTED,
         }
     }
 }
@@ -172,7 +174,7 @@ pub fn conclude(result: Result<Outcome, Failure>, global: &Global) -> ExitCode {
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::DoneWithGaps) => ExitCode::from(GAPS),
-        Err(Failure::Interrupted) if global.quiet => ExitCode::from(INTERRUPTED),
+        Err(Failure::Interrupted | Failure::Paused(_)) if global.quiet => ExitCode::from(INTERRUPTED),
         Err(failure) => report(&failure),
     }
 }
@@ -182,6 +184,7 @@ pub fn report(failure: &Failure) -> ExitCode {
     match failure {
         Failure::Failed(report) | Failure::Invalid(report) => eprintln!("{report:?}"),
         Failure::Interrupted => eprintln!("interrupted; nothing was written"),
+        Failure::Paused(what) => eprintln!("interrupted; {what}"),
     }
     ExitCode::from(failure.code())
 }

@@ -145,20 +145,25 @@ impl Comparison {
         self.bake.len()
     }
 
-    /// PNG of a page: white is equal, red too bright, blue too dark, full at [`FULL_COLOR`]; black was not compared.
+    /// PNG of a page: see [`false_color`].
     pub fn false_color(&self, page: usize) -> Vec<u8> {
         let (bake, truth) = (&self.bake[page], &self.truth[page]);
-        let texels = (0..bake.valid.len()).flat_map(|at| {
-            if !(bake.valid[at] && truth.valid[at]) {
-                return [0; 3];
-            }
-            let share = (self.relative_error(page, at) / FULL_COLOR).clamp(-1.0, 1.0);
-            let rest = (255.0 * (1.0 - share.abs())).round() as u8;
-            if share > 0.0 { [255, rest, rest] } else { [rest, rest, 255] }
-        });
-        let image = image::RgbImage::from_raw(bake.width, bake.height, texels.collect()).expect("three bytes a texel");
-        let mut png = std::io::Cursor::new(Vec::new());
-        image.write_to(&mut png, image::ImageFormat::Png).expect("memory takes a PNG");
-        png.into_inner()
+        let error = |at: usize| (bake.valid[at] && truth.valid[at]).then(|| self.relative_error(page, at));
+        false_color(bake.width, bake.height, &(0..bake.valid.len()).map(error).collect::<Vec<_>>())
     }
+}
+
+/// PNG of signed relative errors, row by row: white is equal, red too bright, blue too dark, full at [`FULL_COLOR`];
+/// black was not compared. Panics unless there is one entry a texel.
+pub fn false_color(width: u32, height: u32, errors: &[Option<f64>]) -> Vec<u8> {
+    let texels = errors.iter().flat_map(|error| {
+        let Some(error) = error else { return [0; 3] };
+        let share = (error / FULL_COLOR).clamp(-1.0, 1.0);
+        let rest = (255.0 * (1.0 - share.abs())).round() as u8;
+        if share > 0.0 { [255, rest, rest] } else { [rest, rest, 255] }
+    });
+    let image = image::RgbImage::from_raw(width, height, texels.collect()).expect("three bytes a texel");
+    let mut png = std::io::Cursor::new(Vec::new());
+    image.write_to(&mut png, image::ImageFormat::Png).expect("memory takes a PNG");
+    png.into_inner()
 }

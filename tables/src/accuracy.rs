@@ -26,7 +26,7 @@ const SLACK: f64 = 1.5;
 /// Largest error of each table of [`NAMES`] over `count` distances spread between the ends of the grid, as a share of the l = 0
 /// coefficient of the same order (order 1: of the isotropic function; area: at the same angle).
 pub fn measure(set: &TableSet, count: usize) -> Vec<f64> {
-    NAMES.iter().map(|name| measure_table(set, name, &spread(set.recipe(), count, 0.5))).collect()
+    NAMES.iter().map(|name| measure_at(set, name, &spread(set.recipe(), count, 0.5))).collect()
 }
 
 /// `count` distances by the golden ratio, uniform in ln d, up to where tables per order begin to fade.
@@ -35,7 +35,8 @@ fn spread(recipe: &Recipe, count: usize, start: f64) -> Vec<f64> {
     (0..count).map(|i| (low + (high - low) * (start + 0.618_033_988_749_894_9 * i as f64).fract()).exp()).collect()
 }
 
-fn measure_table(set: &TableSet, name: &str, distances: &[f64]) -> f64 {
+/// The same of one table at given distances. Panics on a name that is none of [`NAMES`].
+pub fn measure_at(set: &TableSet, name: &str, distances: &[f64]) -> f64 {
     let recipe = set.recipe();
     let (bands, orders, albedo) = (recipe.bands, recipe.scatter_orders, recipe.all_orders_albedo);
     let basis = recipe.basis();
@@ -129,7 +130,7 @@ pub fn verify(file: &TableFile, count: usize, seed: u64) -> Result<Vec<Verified>
     let start = (seed as f64 * 0.569_840_290_998_053).fract();
     let distances = spread(set.recipe(), count.max(1), start);
     let check = |(name, entry): (&&str, &bake_formats::table_file::TableEntry)| {
-        let (stored, measured) = (entry.look_up_error, measure_table(&set, name, &distances));
+        let (stored, measured) = (entry.look_up_error, measure_at(&set, name, &distances));
         Verified { table: (*name).to_owned(), stored, measured, holds: measured <= SLACK * stored }
     };
     Ok(NAMES.iter().zip(&file.manifest.tables).map(check).collect())

@@ -13,7 +13,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("bake-core", &["tables", "bake-formats", "bake-optics"]),
     ("bake-runtime", &["bake-formats", "bake-optics", "tables"]),
     ("bake-view", &["bake-runtime", "bake-formats"]),
-    ("bake-cli", &["bake-view", "bake-core", "tables", "bake-formats", "bake-optics"]),
+    ("bake-study", &["bake-core", "tables", "bake-formats", "bake-optics"]),
+    ("bake-cli", &["bake-study", "bake-view", "bake-core", "tables", "bake-formats", "bake-optics"]),
     // For tests and for making scenes; no shipped crate may use them.
     ("testkit", &[]),
     ("scenes", &["bake-formats", "bake-optics"]),
@@ -34,6 +35,7 @@ const FORBIDDEN: &[(&str, &[&str])] = &[
     ("bake-core", &["clap", "indicatif", "miette", "ctrlc", "wgpu", "winit"]),
     ("bake-runtime", &["clap", "indicatif", "miette", "ctrlc", "winit", "egui"]),
     ("bake-view", &["clap", "indicatif", "miette", "ctrlc"]),
+    ("bake-study", &["clap", "indicatif", "miette", "ctrlc", "wgpu", "winit"]),
 ];
 
 /// What each workspace crate uses outside its tests.

@@ -3,7 +3,7 @@
 use crate::exit::Failure;
 
 /// Commands of later versions.
-pub const COMMANDS: &[&str] = &["refog", "study", "merge", "status", "explain", "report"];
+pub const COMMANDS: &[&str] = &["refog", "merge", "status", "explain", "report"];
 
 /// Flags of later versions.
 pub const FLAGS: &[&str] = &["--keep-paths", "--shard", "--resume", "--watch"];

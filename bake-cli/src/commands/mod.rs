@@ -9,6 +9,7 @@ pub mod plan;
 pub mod reference;
 pub mod run;
 pub mod sample;
+pub mod study;
 pub mod tables;
 #[cfg(feature = "view")]
 pub mod view;
@@ -29,6 +30,7 @@ pub fn dispatch(cli: &Cli) -> Result<Outcome, Failure> {
         Command::Init(args) => init::run(args, &cli.global),
         Command::Tables(args) => tables::run(args, &cli.global),
         Command::Diff(args) => diff::run(args, &cli.global),
+        Command::Study(args) => study::run(args, &cli.global),
         Command::Sample(args) => sample::run(args, &cli.global),
         #[cfg(feature = "view")]
         Command::View(args) => view::run(args, &cli.global),

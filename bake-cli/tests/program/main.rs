@@ -5,6 +5,7 @@ mod bake;
 mod killed;
 mod run;
 mod settings;
+mod study;
 mod tables;
 mod usage;
 #[cfg(feature = "view")]

@@ -1,0 +1,124 @@
+//! Whole studies of tiny scenes: the same numbers again, going on after an interruption, and what is wrong on purpose
+//! shows as bias.
+
+use bake_core::progress::{Progress, Silent};
+use bake_core::settings::{Bounds, Density, Medium, Mode, Phase, Quality, Scatter, Settings};
+use bake_study::clock::Clock;
+use bake_study::summary::Summary;
+use bake_study::sweep::{Effort, Kind};
+use bake_study::{Study, StudyError, run};
+use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
+use testkit::reference::{Row, read_csv};
+
+fn effort() -> Effort {
+    Effort {
+        page: Some(16),
+        reference_samples: 512,
+        samples: vec![8, 64],
+        fixed_samples: 64,
+        targets: vec![0.2],
+        grids: vec![[3, 16]],
+    }
+}
+
+fn study(folder: &Path, fog: bool) -> Study {
+    let scatter = Scatter::Sigma { s: [0.4; 3], a: [0.05; 3] };
+    let (bounds, density, phase) = (Bounds::Scene, Density::Uniform, Phase::Isotropic);
+    let media = fog.then(|| vec![Medium { name: "fog".into(), bounds, density, scatter, phase }]);
+    let settings = Settings { media, mode: Mode::Walk, quality: Quality::Preview, ..Settings::default() };
+    Study {
+        file: scenes::folder().join("cornell.glb"),
+        settings,
+        folder: folder.to_owned(),
+        effort: effort(),
+        clock: Clock::Wall,
+    }
+}
+
+fn whole(study: &Study) -> Summary {
+    run(study, &Silent, &|_| ()).expect("the scene is sound")
+}
+
+/// The measured points without their times.
+fn numbers(folder: &Path) -> Vec<[String; 6]> {
+    let of = |row: &Row| ["key", "samples", "bias", "rmse", "noise", "rays"].map(|column| row.text(column).to_owned());
+    let mut rows: Vec<_> = read_csv(&folder.join("points.csv")).iter().map(of).collect();
+    rows.sort();
+    rows
+}
+
+/// Stops after so many questions.
+struct Impatient(AtomicU32);
+
+impl Progress for Impatient {
+    fn stage(&self, _: &str, _: u64) {}
+    fn advance(&self, _: u64) {}
+    fn is_cancelled(&self) -> bool {
+        self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| Some(left.saturating_sub(1))) == Ok(0)
+    }
+}
+
+#[test]
+fn a_study_of_fog_repeats_and_goes_on_where_it_was() {
+    let folders = [0, 1].map(|_| tempfile::tempdir().expect("a folder"));
+    let [once, pieces] = folders.each_ref().map(|folder| study(folder.path(), true));
+    let summary = whole(&once);
+    let mut kept = 0;
+    for patience in [100, 700, 1500] {
+        let stopped = run(&pieces, &Impatient(patience.into()), &|_| ());
+        assert!(matches!(stopped, Err(StudyError::Interrupted(_))), "patience of {patience}: {stopped:?}");
+        if let Ok(text) = std::fs::read_to_string(pieces.folder.join("points.csv")) {
+            assert!(text.lines().count() >= kept, "points are lost");
+            kept = text.lines().count();
+        }
+    }
+    assert!(kept > 1, "nothing was kept");
+    let gone_on = whole(&pieces);
+    assert_eq!(numbers(&once.folder), numbers(&pieces.folder));
+    assert_eq!(summary.controls, gone_on.controls);
+    // A third run has nothing to measure, and tells the same.
+    let silent = run(&pieces, &Silent, &|line| assert!(line.starts_with("warning"), "measured again: {line}"));
+    assert_eq!(silent.expect("all is there"), gone_on);
+    assert_eq!(summary.modes.len(), 3);
+    assert!(summary.modes.iter().all(|mode| mode.overhead.is_some()));
+    assert_page(&once.folder, 6);
+    assert_honest(&summary, 2);
+}
+
+#[test]
+fn a_study_without_air_tells_wrong_from_right_and_one_seed_from_another() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let study = study(folder.path(), false);
+    assert_honest(&whole(&study), 1);
+    assert_page(&study.folder, 4);
+    let points = numbers(&study.folder).len();
+    let other = Study { settings: Settings { seed: 1, ..study.settings.clone() }, ..study.clone() };
+    assert_honest(&whole(&other), 1);
+    assert_eq!(numbers(&study.folder).len(), 2 * points);
+}
+
+/// What is wrong on purpose shows as bias, honest walks do not.
+fn assert_honest(summary: &Summary, controls: usize) {
+    println!("{}", summary.text());
+    assert_eq!(summary.controls.len(), controls);
+    assert!(summary.controls_hold(), "{:?}", summary.controls);
+    let honest = &summary.modes[0];
+    assert!(!honest.errors.is_biased(), "{honest:?}");
+    assert!(honest.errors.floor < 2.0 * honest.errors.least_floor, "{honest:?}");
+    // The verdict is worth something: a walk that passed for a control must fail it.
+    let mut fooled = summary.clone();
+    fooled.controls[0].is_caught = honest.errors.is_biased();
+    assert!(!fooled.controls_hold());
+}
+
+/// The page stands alone and shows every group.
+fn assert_page(folder: &Path, groups: usize) {
+    let page = std::fs::read_to_string(folder.join("study.html")).expect("written");
+    for kind in [Kind::Samples, Kind::Bounces, Kind::Target, Kind::Control] {
+        assert!(page.contains(kind.text()[0]), "{kind:?}");
+    }
+    assert_eq!(page.matches("<svg").count(), groups);
+    assert!(!page.contains("src=\"http") && !page.contains("href=\"http") && !page.contains("NaN"));
+    assert!(page.contains("data:image/png;base64,") && page.contains("5 %"));
+}
