@@ -1,18 +1,11 @@
 // The very end: exposure, filmic curve, and the display's transfer function where the target does not apply it.
-// uses: frame, screen
+// uses: frame, screen, display
 
 @group(0) @binding(1) var radiance_texels: texture_2d<f32>;
 
 // Filmic curve: Narkowicz 2016, a fit of the ACES reference transform, per channel; maps [0, inf) into [0, 1).
 fn filmic(x: vec3f) -> vec3f {
     return clamp(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), vec3f(0.0), vec3f(1.0));
-}
-
-// sRGB transfer function (IEC 61966-2-1).
-fn srgb(linear: vec3f) -> vec3f {
-    let low = 12.92 * linear;
-    let high = 1.055 * pow(max(linear, vec3f(1e-6)), vec3f(1.0 / 2.4)) - 0.055;
-    return select(high, low, linear <= vec3f(0.0031308));
 }
 
 @fragment

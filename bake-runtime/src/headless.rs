@@ -5,6 +5,8 @@ use crate::error::{Result, RuntimeError};
 /// Device, queue and what they run on.
 #[derive(Debug)]
 pub struct Headless {
+    /// What the device was opened on.
+    pub adapter: wgpu::Adapter,
     /// Where textures and pipelines live.
     pub device: wgpu::Device,
     /// Where work is sent.
@@ -53,7 +55,7 @@ impl Headless {
         let opened = adapter.request_device(&device_descriptor(&adapter)).await;
         let (device, queue) =
             opened.map_err(|error| RuntimeError::NoDevice { adapter: info.name.clone(), reason: error.to_string() })?;
-        Ok(Self { device, queue, info })
+        Ok(Self { adapter, device, queue, info })
     }
 
     /// A texture that can be drawn to and read back.

@@ -83,8 +83,8 @@ shared! {
         sun_count: u32,
         /// Uniform sky, cd/m².
         sky: vec3f,
-        /// Not used.
-        padding: u32,
+        /// Distance from which on clutter is thinned, metres.
+        prune_start: f32,
         /// Width and height, texels; left edge and width of the part that is drawn.
         viewport: vec4f,
     }
@@ -102,8 +102,8 @@ shared! {
         node: u32,
         /// Sign of the map's determinant: −1 mirrors.
         handedness: f32,
-        /// Not used.
-        padding: u32,
+        /// Its rank in [0, 1) in the order in which clutter goes; below 0: it never goes.
+        rank: f32,
     }
     /// How a surface reflects and emits.
     Surface {

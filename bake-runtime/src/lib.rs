@@ -13,12 +13,16 @@
 
 pub mod air;
 pub mod camera;
+mod difference;
 pub mod error;
 pub mod headless;
 pub mod layout;
 mod model;
+pub mod palette;
 mod passes;
+mod pick;
 mod picture;
+pub mod prune;
 mod renderer;
 pub mod scene;
 pub mod shader;
@@ -31,5 +35,6 @@ pub use camera::Camera;
 pub use error::RuntimeError;
 pub use headless::Headless;
 pub use model::Model;
-pub use renderer::{Renderer, Settings, Show};
+pub use pick::Hit;
+pub use renderer::{Onto, Renderer, Settings, Show};
 pub use scene::SceneData;

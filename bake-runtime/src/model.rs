@@ -15,6 +15,8 @@ pub struct Model {
     pub(crate) indices: wgpu::Buffer,
     pub(crate) instances: wgpu::Buffer,
     pub(crate) page_uvs: wgpu::Buffer,
+    /// Chart of each page coordinate, once they are set.
+    pub(crate) page_charts: Option<wgpu::Buffer>,
     pub(crate) surfaces: Vec<wgpu::Buffer>,
     pub(crate) textures: Vec<(wgpu::TextureView, wgpu::Sampler)>,
     pub(crate) pages: Vec<PageViews>,
@@ -46,6 +48,7 @@ impl Model {
             indices: buffer("indices", bytemuck::cast_slice(&scene.indices), wgpu::BufferUsages::INDEX),
             instances: buffer("instances", bytemuck::cast_slice(&scene.instances), storage),
             page_uvs: buffer("page_uvs", bytemuck::cast_slice(&scene.page_uvs), storage),
+            page_charts: None,
             surfaces: (scene.materials.iter())
                 .map(|m| buffer("surface", bytemuck::bytes_of(&m.surface), wgpu::BufferUsages::UNIFORM))
                 .collect(),
@@ -59,6 +62,29 @@ impl Model {
         scene.indices = Vec::new();
         scene.textures.iter_mut().for_each(|texture| texture.rgba = Vec::new());
         Ok(Self { scene, ..model })
+    }
+
+    /// Puts other irradiance on a lightmap page, lux, row by row. Panics where it is not one value a texel.
+    pub fn set_irradiance(&self, queue: &wgpu::Queue, page: usize, texels: &[[f32; 3]]) {
+        let texture = self.pages[page].irradiance.texture();
+        let wgpu::Extent3d { width, height, .. } = texture.size();
+        assert_eq!(texels.len(), width as usize * height as usize, "one value a texel");
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * width), rows_per_image: None };
+        let texels = opaque(texels);
+        queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(&texels), layout, texture.size());
+    }
+
+    /// Tells the chart of each page coordinate ([`crate::scene::page_charts`]), for [`crate::Show::Charts`].
+    pub fn set_charts(&mut self, device: &wgpu::Device, charts: &[u32]) {
+        let contents = if charts.is_empty() { &[0; 4] } else { bytemuck::cast_slice(charts) };
+        let usage = wgpu::BufferUsages::STORAGE;
+        let descriptor = wgpu::util::BufferInitDescriptor { label: Some("page_charts"), contents, usage };
+        self.page_charts = Some(device.create_buffer_init(&descriptor));
+    }
+
+    /// Whether the charts are known.
+    pub fn has_charts(&self) -> bool {
+        self.page_charts.is_some()
     }
 
     /// Sets vertex and index lists.
@@ -210,10 +236,14 @@ fn sampler(sampler: &Sampler) -> wgpu::SamplerDescriptor<'static> {
     }
 }
 
+/// With a fourth channel.
+fn opaque(texels: &[[f32; 3]]) -> Vec<[f32; 4]> {
+    texels.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect()
+}
+
 fn upload_page(device: &wgpu::Device, queue: &wgpu::Queue, page: &Page) -> PageViews {
     let size = [page.width, page.height];
-    let opaque = |texels: &Vec<[f32; 3]>| texels.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect::<Vec<_>>();
-    let sh1 = page.sh1.as_ref().map(|sh1| sh1.iter().map(opaque).collect::<Vec<_>>());
+    let sh1 = page.sh1.as_ref().map(|sh1| sh1.iter().map(|texels| opaque(texels)).collect::<Vec<_>>());
     PageViews {
         irradiance: upload_texels(device, queue, size, &[opaque(&page.irradiance)], false),
         sh1: sh1.map(|layers| upload_texels(device, queue, size, &layers, true)),

@@ -180,7 +180,7 @@ fn render_pipeline(
         attributes: &attributes,
     };
     let pass = key.variant.pass();
-    let meshes = matches!(pass, Pass::Surface | Pass::Caster);
+    let meshes = matches!(pass, Pass::Surface | Pass::Caster | Pass::Pick);
     let buffers = [meshes.then_some(vertices)];
     let target = wgpu::ColorTargetState {
         format: key.format,
@@ -218,7 +218,7 @@ fn render_pipeline(
 fn depth_state(key: &Key) -> Option<wgpu::DepthStencilState> {
     let (write, compare) = match key.variant.pass() {
         Pass::Surface => (!key.blended, wgpu::CompareFunction::Greater),
-        Pass::Caster => (true, wgpu::CompareFunction::Greater),
+        Pass::Caster | Pass::Pick => (true, wgpu::CompareFunction::Greater),
         Pass::Sky => (false, wgpu::CompareFunction::Always),
         _ => return None,
     };

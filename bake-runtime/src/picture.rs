@@ -1,5 +1,7 @@
 //! What the passes of one picture share: its plan, and the buffers and textures that shaders bind by name.
 
+use std::ops::Range;
+
 use bake_formats::manifest::LightRecord;
 use wgpu::util::DeviceExt;
 
@@ -7,6 +9,7 @@ use crate::air::{AirBuffers, AirPlan, Sources, light_effects};
 use crate::camera::Camera;
 use crate::layout::{Frame, Lattice};
 use crate::model::Model;
+use crate::prune;
 use crate::renderer::{Settings, Show};
 use crate::scene::{Draw, Opacity};
 use crate::variant::{Pass, Variant};
@@ -18,6 +21,9 @@ pub(crate) struct Picture<'a> {
     pub settings: &'a Settings,
     pub plan: Option<AirPlan>,
     pub buffers: AirBuffers,
+    /// Columns that are drawn.
+    pub columns: Range<u32>,
+    height: u32,
     frame: wgpu::Buffer,
     lattice: wgpu::Buffer,
     tables: Tables<'a>,
@@ -47,7 +53,7 @@ impl<'a> Picture<'a> {
     pub fn new(
         device: &wgpu::Device,
         (model, camera, settings): (&'a Model, &'a Camera, &'a Settings),
-        size: [u32; 2],
+        (size, columns): ([u32; 2], Range<u32>),
         tables: Tables<'a>,
     ) -> Self {
         let scene = &model.scene;
@@ -59,7 +65,12 @@ impl<'a> Picture<'a> {
         let frame = Frame { lamp_count, sun_count, sky: sky(model, settings), ..frame(camera, settings, size) };
         let frame = uniform(device, "frame", &frame);
         let lattice = uniform(device, "lattice", &lattice(model, camera));
-        Self { model, camera, settings, plan, buffers, frame, lattice, tables }
+        Self { model, camera, settings, plan, buffers, columns, height: size[1], frame, lattice, tables }
+    }
+
+    /// Draws nothing beside the picture's columns.
+    pub fn keep_to_columns(&self, pass: &mut wgpu::RenderPass) {
+        pass.set_scissor_rect(self.columns.start, 0, self.columns.end.saturating_sub(self.columns.start), self.height);
     }
 
     /// What is bound under a name.
@@ -71,6 +82,9 @@ impl<'a> Picture<'a> {
             "frame" => self.frame.as_entire_binding(),
             "instances" => self.model.instances.as_entire_binding(),
             "page_uvs" => self.model.page_uvs.as_entire_binding(),
+            "page_charts" => {
+                self.model.page_charts.as_ref().expect("asked for where they are known").as_entire_binding()
+            }
             "media" => self.buffers.media.as_entire_binding(),
             "lamps" => self.buffers.lamps.as_entire_binding(),
             "suns" => self.buffers.suns.as_entire_binding(),
@@ -92,6 +106,7 @@ impl<'a> Picture<'a> {
         let material = &scene.materials[draw.material as usize];
         let show = self.settings.show;
         let lit = show == Show::Light;
+        let charted = draw.page.is_some() && self.model.has_charts();
         let variant = Variant::new(Pass::Surface)
             .with("LIGHTMAP", draw.page.is_some())
             .with("PROBES", draw.page.is_none() && scene.probes.is_some())
@@ -100,11 +115,15 @@ impl<'a> Picture<'a> {
             .with("EMISSION_TEXTURE", material.emits && lit && material.emission_texture.is_some())
             .with("NORMAL_MAP", material.normal_texture.is_some())
             .with("SH1", material.normal_texture.is_some() && self.model.has_sh1(draw))
+            .with("PRUNED", self.settings.prune_start_m.is_some() && draw.instances.len() >= prune::LEAST)
             .with("MASK", material.opacity == Opacity::Mask)
             .with("BLEND", material.opacity == Opacity::Blend)
             .with("SHOW_PAGE", matches!(show, Show::Irradiance | Show::Texels))
             .with("SHOW_TEXELS", show == Show::Texels && draw.page.is_some())
-            .with("SHOW_NODES", show == Show::Nodes);
+            .with("SHOW_NODES", show == Show::Nodes)
+            .with("SHOW_DENSITY", show == Show::Density && draw.page.is_some())
+            .with("SHOW_CHARTS", show == Show::Charts && charted)
+            .with("SHOW_GREY", show == Show::Charts && !charted || show == Show::Density && draw.page.is_none());
         let dynamic = lit && !scene.dynamic_lights.is_empty();
         let variant = if dynamic { self.lit(variant.with("SPECULAR", material.shines)) } else { variant };
         let blended = self.plan.as_ref().filter(|_| lit && material.opacity == Opacity::Blend);
@@ -124,10 +143,20 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// A frame that sees from a light instead of the eye.
-pub(crate) fn caster_frame(device: &wgpu::Device, camera: &Camera, clip_from_relative: [[f32; 4]; 4]) -> wgpu::Buffer {
+/// A frame that sees through another clip space than the picture's: from a light, or one texel alone.
+pub(crate) fn seen_frame(
+    device: &wgpu::Device,
+    camera: &Camera,
+    clip_from_relative: [[f32; 4]; 4],
+    prune_start: f32,
+) -> wgpu::Buffer {
     let eye = camera.eye.as_vec3().to_array();
-    uniform(device, "caster", &Frame { clip_from_relative, eye, ..Frame::default() })
+    uniform(device, "seen", &Frame { clip_from_relative, eye, prune_start, ..Frame::default() })
+}
+
+/// A frame that knows an exposure only.
+pub(crate) fn difference_frame(device: &wgpu::Device, exposure: f32) -> wgpu::Buffer {
+    uniform(device, "difference", &Frame { exposure, ..Frame::default() })
 }
 
 fn uniform(device: &wgpu::Device, label: &str, value: &impl bytemuck::NoUninit) -> wgpu::Buffer {
@@ -149,6 +178,7 @@ fn frame(camera: &Camera, settings: &Settings, [width, height]: [u32; 2]) -> Fra
         exposure: settings.exposure,
         right: right.to_array(),
         up: up.to_array(),
+        prune_start: settings.prune_start_m.unwrap_or(0.0),
         viewport: [width as f32, height as f32, 0.0, 0.0],
         ..Frame::default()
     }

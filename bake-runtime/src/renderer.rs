@@ -12,7 +12,8 @@ use crate::camera::Camera;
 use crate::error::Result;
 use crate::model::Model;
 use crate::passes::{Key, Pipelines};
-use crate::picture::{Picture, Tables, air_plan, caster_frame};
+use crate::picture::{Picture, Tables, air_plan, seen_frame};
+use crate::prune;
 use crate::scene::{Draw, Opacity};
 use crate::shadows::MOST_MAPS;
 use crate::timing::Timer;
@@ -30,6 +31,10 @@ pub enum Show {
     Texels,
     /// A colour for each placement.
     Nodes,
+    /// Texels per metre, in [`crate::palette::SEQUENTIAL`]'s colours from 1, a stop an octave; grey: no lightmap.
+    Density,
+    /// A colour for each chart; grey: no lightmap.
+    Charts,
 }
 
 /// How a picture is made.
@@ -45,6 +50,8 @@ pub struct Settings {
     pub shadow_size: Option<u32>,
     /// Whether light stored in the package's probes lights the air too.
     pub baked_in_air: bool,
+    /// Distance from which on clutter is thinned ([`crate::prune`]), metres; none: everything is drawn.
+    pub prune_start_m: Option<f32>,
     /// What is shown.
     pub show: Show,
     /// Whether passes are timed, where the device can: [`Renderer::milliseconds`].
@@ -54,7 +61,8 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         let (exposure, filmic, air) = (1.0, true, AirSettings::default());
-        Self { exposure, filmic, air, shadow_size: None, baked_in_air: true, show: Show::Light, timed: false }
+        let (shadow_size, prune_start_m, show) = (None, None, Show::Light);
+        Self { exposure, filmic, air, shadow_size, baked_in_air: true, prune_start_m, show, timed: false }
     }
 }
 
@@ -67,14 +75,25 @@ impl Settings {
     }
 }
 
+/// Where a picture goes.
+#[derive(Debug, Clone)]
+pub struct Onto<'a> {
+    /// A view of a texture of the renderer's format.
+    pub view: &'a wgpu::TextureView,
+    /// Its width and height, texels: the whole picture's.
+    pub size: [u32; 2],
+    /// Columns that are drawn.
+    pub columns: std::ops::Range<u32>,
+}
+
 /// Draws models with one device to targets of one format.
 #[derive(Debug)]
 pub struct Renderer {
-    device: wgpu::Device,
-    queue: wgpu::Queue,
-    format: wgpu::TextureFormat,
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    pub(crate) format: wgpu::TextureFormat,
     radiance_format: wgpu::TextureFormat,
-    pipelines: Pipelines,
+    pub(crate) pipelines: Pipelines,
     images: Option<Images>,
     tails: Option<wgpu::TextureView>,
     surfaces: Option<(Vec<f32>, wgpu::TextureView)>,
@@ -120,14 +139,20 @@ impl Renderer {
         target: &wgpu::TextureView,
         size: [u32; 2],
     ) {
-        let size = size.map(|side| side.max(1));
+        self.draw_columns(model, camera, settings, &Onto { view: target, size, columns: 0..size[0] });
+    }
+
+    /// Draws some columns of the picture and leaves the others of the target as they are.
+    pub fn draw_columns(&mut self, model: &Model, camera: &Camera, settings: &Settings, onto: &Onto) {
+        let size = onto.size.map(|side| side.max(1));
+        let columns = onto.columns.start.min(size[0])..onto.columns.end.min(size[0]);
         self.resize(size);
         self.make_tables(model, settings);
         let shadows = self.shadows.as_ref().map(|texture| texture.create_view(&Default::default()));
         let (tails, surfaces) = (self.tails.clone(), self.surfaces.clone());
         let surfaces = surfaces.as_ref().map(|(_, view)| view);
         let tables = Tables { tails: tails.as_ref(), surfaces, shadows: shadows.as_ref() };
-        let picture = Picture::new(&self.device, (model, camera, settings), size, tables);
+        let picture = Picture::new(&self.device, (model, camera, settings), (size, columns), tables);
         self.timer = if settings.timed { self.timer.take().or_else(|| Timer::new(&self.device)) } else { None };
         self.timer.iter_mut().for_each(Timer::begin);
         let mut encoder = self.device.create_command_encoder(&Default::default());
@@ -135,7 +160,7 @@ impl Renderer {
         self.draw_opaque(&mut encoder, &picture);
         self.draw_air(&mut encoder, &picture);
         self.draw_blended(&mut encoder, &picture);
-        self.draw_tone(&mut encoder, &picture, target);
+        self.draw_tone(&mut encoder, &picture, onto.view);
         self.timer.iter().for_each(|timer| timer.resolve(&mut encoder));
         self.queue.submit([encoder.finish()]);
     }
@@ -183,7 +208,7 @@ impl Renderer {
         let Some(maps) = self.shadows.clone() else { return };
         let model = picture.model;
         for (layer, view) in picture.buffers.views.iter().enumerate() {
-            let frame = caster_frame(&self.device, picture.camera, view.clip_from_relative);
+            let frame = seen_frame(&self.device, picture.camera, view.clip_from_relative, 0.0);
             let target = maps.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(wgpu::TextureViewDimension::D2),
                 base_array_layer: layer as u32,
@@ -239,6 +264,7 @@ impl Renderer {
         let (radiance, depth) = (images.radiance(0), images.depth.create_view(&Default::default()));
         let timed = self.timer.as_mut().and_then(|timer| timer.writes("surfaces"));
         let mut pass = surface_pass(encoder, (&radiance, &depth), true, timed);
+        picture.keep_to_columns(&mut pass);
         if picture.model.scene.environment.is_some() && picture.settings.show == Show::Light {
             let key = Key::screen(Variant::new(Pass::Sky), self.radiance_format);
             let pipeline = self.pipelines.get(&self.device, key);
@@ -267,6 +293,7 @@ impl Renderer {
             timestamp_writes: self.timer.as_mut().and_then(|timer| timer.writes("air")),
             ..Default::default()
         });
+        picture.keep_to_columns(&mut pass);
         pass.set_pipeline(&pipeline.pipeline);
         pipeline.bind(&self.device, &mut pass, 0, |name| match name {
             "radiance_texels" => wgpu::BindingResource::TextureView(&before),
@@ -289,6 +316,7 @@ impl Renderer {
         let (radiance, depth) = (images.radiance(images.shown), images.depth.create_view(&Default::default()));
         let timed = self.timer.as_mut().and_then(|timer| timer.writes("blended"));
         let mut pass = surface_pass(encoder, (&radiance, &depth), false, timed);
+        picture.keep_to_columns(&mut pass);
         model.bind_lists(&mut pass);
         for draw in draws {
             self.draw_one(&mut pass, picture, draw);
@@ -307,7 +335,7 @@ impl Renderer {
         pipeline.bind(&self.device, pass, 0, |name| picture.resource(name));
         pipeline.bind(&self.device, pass, 1, |name| model.page_resource(draw, name));
         pipeline.bind(&self.device, pass, 2, |name| model.material_resource(draw, name));
-        pass.draw_indexed(draw.indices.clone(), 0, draw.instances.clone());
+        pass.draw_indexed(draw.indices.clone(), 0, seen_instances(draw, picture.camera, picture.settings));
     }
 
     fn draw_tone(&mut self, encoder: &mut wgpu::CommandEncoder, picture: &Picture, target: &wgpu::TextureView) {
@@ -316,12 +344,15 @@ impl Renderer {
         let variant =
             Variant::new(Pass::Tone).with("FILMIC", picture.settings.filmic).with("ENCODE", !self.format.is_srgb());
         let pipeline = self.pipelines.get(&self.device, Key::screen(variant, self.format));
+        let whole = picture.columns == (0..images.size[0]);
+        let load = if whole { wgpu::LoadOp::Clear(wgpu::Color::BLACK) } else { wgpu::LoadOp::Load };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("tone"),
-            color_attachments: &[Some(color_attachment(target, wgpu::LoadOp::Clear(wgpu::Color::BLACK)))],
+            color_attachments: &[Some(color_attachment(target, load))],
             timestamp_writes: self.timer.as_mut().and_then(|timer| timer.writes("tone")),
             ..Default::default()
         });
+        picture.keep_to_columns(&mut pass);
         pass.set_pipeline(&pipeline.pipeline);
         pipeline.bind(&self.device, &mut pass, 0, |name| match name {
             "radiance_texels" => wgpu::BindingResource::TextureView(&radiance),
@@ -331,11 +362,26 @@ impl Renderer {
     }
 }
 
+/// The placements of a draw that are not thinned out.
+pub(crate) fn seen_instances(draw: &Draw, camera: &Camera, settings: &Settings) -> std::ops::Range<u32> {
+    let all = draw.instances.len();
+    match settings.prune_start_m.filter(|_| all >= prune::LEAST) {
+        Some(start) => {
+            let count = prune::count(all as u32, draw.origins, camera.eye, start);
+            draw.instances.start..draw.instances.start + count
+        }
+        None => draw.instances.clone(),
+    }
+}
+
 fn blends(model: &Model, draw: &Draw) -> bool {
     model.scene.materials[draw.material as usize].opacity == Opacity::Blend
 }
 
-fn color_attachment(view: &wgpu::TextureView, load: wgpu::LoadOp<wgpu::Color>) -> wgpu::RenderPassColorAttachment<'_> {
+pub(crate) fn color_attachment(
+    view: &wgpu::TextureView,
+    load: wgpu::LoadOp<wgpu::Color>,
+) -> wgpu::RenderPassColorAttachment<'_> {
     let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
     wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops }
 }
@@ -358,7 +404,10 @@ fn surface_pass<'a>(
     })
 }
 
-fn depth_attachment(view: &wgpu::TextureView, load: wgpu::LoadOp<f32>) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+pub(crate) fn depth_attachment(
+    view: &wgpu::TextureView,
+    load: wgpu::LoadOp<f32>,
+) -> wgpu::RenderPassDepthStencilAttachment<'_> {
     let depth_ops = Some(wgpu::Operations { load, store: wgpu::StoreOp::Store });
     wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None }
 }

@@ -32,10 +32,14 @@ modules![
     "arithmetic",
     "base_texture",
     "caster",
+    "density",
+    "difference",
+    "display",
     "emission_texture",
     "emitter",
     "exponential_integral",
     "frame",
+    "hashed_color",
     "inscatter",
     "lamps",
     "lattice",
@@ -47,8 +51,12 @@ modules![
     "moments",
     "normal_map",
     "panel",
+    "palette",
     "phase",
+    "pick",
     "pieces",
+    "placed",
+    "pruning",
     "screen",
     "sh1",
     "shadow",
@@ -57,10 +65,10 @@ modules![
     "sky",
     "softened",
     "surface",
+    "texel_pattern",
     "texture_map",
     "tone",
     "view_ray",
-    "views",
 ];
 
 /// Text of a module. Panics on an unknown name: names come from the modules themselves and from [`Variant`].
@@ -93,6 +101,9 @@ fn prelude(variant: &Variant, body: &str) -> String {
     }
     if body.contains("RULE_NODES") {
         text += &rule("RULE", variant.nodes());
+    }
+    if body.contains("PALETTE") {
+        text += &variant.palette().declaration();
     }
     for shared in SHARED.iter().filter(|shared| names(body, shared.name)) {
         text += shared.wgsl;

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use crate::palette::{self, Palette};
+
 /// Which pass a shader is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Pass {
@@ -15,6 +17,10 @@ pub enum Pass {
     Air,
     /// Exposure and tone curve.
     Tone,
+    /// What lies under one texel.
+    Pick,
+    /// Two pictures' difference in false colours.
+    Difference,
 }
 
 /// A shader: a pass, effects that are on, and sizes.
@@ -85,12 +91,19 @@ impl Variant {
             Pass::Sky => vec!["sky"],
             Pass::Air => vec!["air"],
             Pass::Tone => vec!["tone"],
+            Pass::Pick => vec!["pick"],
+            Pass::Difference => vec!["difference"],
         }
     }
 
     /// Constants by name.
     pub fn constants(&self) -> &[(&'static str, u32)] {
         &self.constants
+    }
+
+    /// Colours of its numbers.
+    pub fn palette(&self) -> &'static Palette {
+        if self.pass == Pass::Difference { &palette::DIVERGING } else { &palette::SEQUENTIAL }
     }
 
     /// Quadrature nodes on each side of a lamp's foot.

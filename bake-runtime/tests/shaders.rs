@@ -100,6 +100,13 @@ fn lit_variants() -> Vec<Variant> {
         Variant::new(Pass::Surface).with("LIGHTMAP", true).with("SH1", true).with("NORMAL_MAP", true),
         Variant::new(Pass::Surface).with("LIGHTMAP", true).with("SHOW_PAGE", true).with("SHOW_TEXELS", true),
         Variant::new(Pass::Surface).with("SHOW_NODES", true),
+        Variant::new(Pass::Surface).with("LIGHTMAP", true).with("SHOW_DENSITY", true),
+        Variant::new(Pass::Surface).with("LIGHTMAP", true).with("SHOW_CHARTS", true),
+        Variant::new(Pass::Surface).with("SHOW_GREY", true),
+        Variant::new(Pass::Surface).with("PRUNED", true),
+        Variant::new(Pass::Pick),
+        Variant::new(Pass::Pick).with("LIGHTMAP", true).with("MASK", true).with("BASE_TEXTURE", true),
+        Variant::new(Pass::Difference).with("ENCODE", true),
     ];
     for media in [&media[..1], &media[..2], &media[..]] {
         let plan = AirPlan::new(AirSettings::default(), media, &lights).expect("air");

@@ -1,5 +1,7 @@
 //! What a person asks to see, as text and as values.
 
+use std::fmt;
+use std::path::PathBuf;
 use std::str::FromStr;
 
 use bake_formats::Term;
@@ -21,8 +23,21 @@ pub struct Options {
     pub show: View,
     /// Terms of the light that are shown; none: all.
     pub terms: Option<Vec<Term>>,
-    /// A second way to draw the air, for the right half of the picture.
-    pub compare: Option<Method>,
+    /// What the right half of the picture shows instead.
+    pub compare: Option<Compare>,
+    /// Instead of two halves their difference in false colours, the strongest at this share of what is shown white.
+    pub difference: Option<f32>,
+    /// Distance from which on instanced clutter is thinned, metres; none: everything is drawn.
+    pub prune_start_m: Option<f32>,
+}
+
+/// What a package is compared with.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Compare {
+    /// Itself, its air drawn in another way.
+    Method(Method),
+    /// Another package, by its folder.
+    Package(PathBuf),
 }
 
 /// What is shown.
@@ -36,6 +51,34 @@ pub enum View {
     Validity,
 }
 
+impl View {
+    /// All of them, light first.
+    pub const ALL: [Self; 8] = [
+        Self::Show(Show::Light),
+        Self::Show(Show::Irradiance),
+        Self::Show(Show::Texels),
+        Self::Show(Show::Density),
+        Self::Show(Show::Charts),
+        Self::Show(Show::Nodes),
+        Self::Error,
+        Self::Validity,
+    ];
+
+    /// Its name as flags and panels spell it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Show(Show::Light) => "light",
+            Self::Show(Show::Irradiance) => "irradiance",
+            Self::Show(Show::Texels) => "texels",
+            Self::Show(Show::Density) => "density",
+            Self::Show(Show::Charts) => "charts",
+            Self::Show(Show::Nodes) => "nodes",
+            Self::Error => "error",
+            Self::Validity => "validity",
+        }
+    }
+}
+
 impl Default for Options {
     fn default() -> Self {
         Self {
@@ -46,6 +89,8 @@ impl Default for Options {
             show: View::Show(Show::Light),
             terms: None,
             compare: None,
+            difference: None,
+            prune_start_m: None,
         }
     }
 }
@@ -86,6 +131,19 @@ impl FromStr for AirArgument {
     }
 }
 
+/// What a package is compared with: a way to draw the air by name, or a folder.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CompareArgument(pub Compare);
+
+impl FromStr for CompareArgument {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let method = Method::from_name(text).map(Compare::Method);
+        Ok(Self(method.unwrap_or_else(|| Compare::Package(text.into()))))
+    }
+}
+
 /// What is shown, by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ViewArgument(pub View);
@@ -94,16 +152,9 @@ impl FromStr for ViewArgument {
     type Err = OptionError;
 
     fn from_str(text: &str) -> Result<Self, OptionError> {
-        let expected = "one of light, irradiance, texels, nodes, error, validity";
-        Ok(Self(match text {
-            "light" => View::Show(Show::Light),
-            "irradiance" => View::Show(Show::Irradiance),
-            "texels" => View::Show(Show::Texels),
-            "nodes" => View::Show(Show::Nodes),
-            "error" => View::Error,
-            "validity" => View::Validity,
-            _ => return Err(OptionError { value: text.into(), expected }),
-        }))
+        let expected = "one of light, irradiance, texels, density, charts, nodes, error, validity";
+        let found = View::ALL.into_iter().find(|view| view.name() == text);
+        found.map(Self).ok_or_else(|| OptionError { value: text.into(), expected })
     }
 }
 
@@ -132,6 +183,14 @@ impl FromStr for CameraArgument {
     fn from_str(text: &str) -> Result<Self, OptionError> {
         let expected = "EYE:TARGET or EYE:TARGET:DEGREES, like 0,1.5,6:0,1.5,0:40 (two different points in metres)";
         parse_camera(text).map(Self).ok_or_else(|| OptionError { value: text.into(), expected })
+    }
+}
+
+impl fmt::Display for CameraArgument {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Camera { eye, forward, fov_y, .. } = self.0;
+        let target = eye + forward.as_dvec3();
+        write!(f, "{},{},{}:{},{},{}:{}", eye.x, eye.y, eye.z, target.x, target.y, target.z, fov_y.to_degrees())
     }
 }
 
@@ -168,6 +227,11 @@ mod tests {
             let error = text.parse::<CameraArgument>().expect_err(text);
             assert!(error.to_string().contains("EYE:TARGET"), "{error}");
         }
+        let mut odd = Camera::look_at(DVec3::new(0.1, -7.25, 1e3 / 3.0), DVec3::new(-4.0, 0.3, 12.0));
+        odd.fov_y = 0.9;
+        let CameraArgument(again) = CameraArgument(odd).to_string().parse().expect("what is written is read");
+        assert_eq!((again.eye, again.up), (odd.eye, odd.up));
+        assert!((again.forward - odd.forward).length() < 1e-6 && (again.fov_y - odd.fov_y).abs() < 1e-6);
         assert_eq!("640x360".parse(), Ok(SizeArgument([640, 360])));
         for text in ["640", "0x360", "640x", "99999x3"] {
             assert!(text.parse::<SizeArgument>().is_err(), "{text}");
@@ -175,6 +239,12 @@ mod tests {
         for method in Method::ALL {
             assert_eq!(method.name().parse(), Ok(AirArgument(method)));
         }
+        for view in View::ALL {
+            assert_eq!(view.name().parse(), Ok(ViewArgument(view)));
+            assert!("fog".parse::<ViewArgument>().expect_err("no view").expected.contains(view.name()));
+        }
+        assert_eq!("lut".parse(), Ok(CompareArgument(Compare::Method(Method::Lut))));
+        assert_eq!("out/b".parse(), Ok(CompareArgument(Compare::Package("out/b".into()))));
         assert!("fog".parse::<AirArgument>().is_err() && "fog".parse::<ViewArgument>().is_err());
     }
 }

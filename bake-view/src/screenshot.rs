@@ -1,25 +1,12 @@
 //! A picture without a window.
 
-use bake_formats::{FormatError, Package};
-use bake_runtime::air::AirSettings;
-use bake_runtime::scene::PageContent;
-use bake_runtime::{Camera, Headless, Model, Renderer, RuntimeError, SceneData, Settings, Show};
+use bake_formats::Package;
+use bake_runtime::{Camera, Headless};
 
-use crate::options::{Options, View};
-
-/// What can go wrong between a package and a PNG.
-#[derive(Debug, thiserror::Error)]
-pub enum ViewError {
-    /// The package cannot be read.
-    #[error(transparent)]
-    Package(#[from] FormatError),
-    /// It cannot be drawn.
-    #[error(transparent)]
-    Runtime(#[from] RuntimeError),
-    /// The picture cannot be encoded.
-    #[error("the picture cannot be written as PNG: {0}")]
-    Png(#[from] image::ImageError),
-}
+use crate::error::ViewError;
+use crate::look::Look;
+use crate::options::{Compare, Options};
+use crate::stage::{FORMAT, Stage};
 
 /// A picture and what drew it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,76 +20,31 @@ pub struct Screenshot {
 }
 
 /// Draws a package.
-pub fn screenshot(package: &Package, options: &Options) -> Result<Screenshot, ViewError> {
-    let mut scene = SceneData::load(package)?;
-    let white = scene.typical_radiance();
-    if let Some(content) = page_content(options) {
-        scene.fill_pages(package, &content)?;
-    }
-    let headless = Headless::open()?;
-    let camera = options.camera.unwrap_or_else(|| Camera::overview(scene.bounds[0], scene.bounds[1]));
-    let model = Model::new(&headless.device, &headless.queue, scene)?;
-    let settings = settings(&model, white, options);
-    let mut rgba = draw(&headless, (&model, &camera, &settings), options.size)?;
-    if let Some(method) = options.compare {
-        let air = AirSettings { method, ..settings.air };
-        let other = draw(&headless, (&model, &camera, &Settings { air, ..settings }), options.size)?;
-        join(&mut rgba, &other, options.size[0] as usize);
-    }
-    let png = encode(options.size, rgba)?;
-    Ok(Screenshot { png, adapter: headless.info.name, notes: model.scene.notes })
+pub fn screenshot(package: Package, options: &Options) -> Result<Screenshot, ViewError> {
+    let mut stage = open(package, options, Headless::open()?)?;
+    let [low, high] = stage.bounds();
+    let camera = options.camera.unwrap_or_else(|| Camera::overview(low, high));
+    let target = stage.host.target(options.size, FORMAT);
+    let view = target.create_view(&Default::default());
+    stage.draw(&camera, &Look::new(options), (&view, options.size), false)?;
+    let png = png(&stage.host, &target)?;
+    Ok(Screenshot { png, adapter: stage.host.info.name.clone(), notes: stage.notes() })
 }
 
-/// What lies on the pages instead of the total.
-fn page_content(options: &Options) -> Option<PageContent> {
-    match options.show {
-        View::Error => Some(PageContent::RelativeError),
-        View::Validity => Some(PageContent::Validity),
-        View::Show(_) => options.terms.clone().map(PageContent::Terms),
-    }
+/// A package, and the one that it is compared with, on a device.
+pub(crate) fn open(package: Package, options: &Options, host: Headless) -> Result<Stage, ViewError> {
+    let other = match &options.compare {
+        Some(Compare::Package(folder)) => Some(Package::open(folder)?),
+        _ => None,
+    };
+    Stage::new(host, package, other)
 }
 
-/// `white`: a brightness of the whole light, so that single terms keep their share of it.
-fn settings(model: &Model, white: f32, options: &Options) -> Settings {
-    let stops = options.exposure_stops.exp2();
-    let plain = Settings::for_model(model);
-    let air = AirSettings { method: options.air, ..plain.air };
-    let settings = Settings { air, exposure: 0.5 / white * stops, ..plain };
-    let pages = Settings { show: Show::Irradiance, filmic: false, ..settings.clone() };
-    match options.show {
-        View::Show(Show::Irradiance) => Settings { exposure: settings.exposure / std::f32::consts::PI, ..pages },
-        View::Show(Show::Nodes) => Settings { show: Show::Nodes, exposure: stops, filmic: false, ..settings },
-        View::Show(show) => Settings { show, ..settings },
-        View::Error => Settings { exposure: 10.0 * stops, ..pages },
-        View::Validity => Settings { exposure: stops, ..pages },
-    }
-}
-
-/// The picture's bytes.
-fn draw(
-    headless: &Headless,
-    (model, camera, settings): (&Model, &Camera, &Settings),
-    size: [u32; 2],
-) -> Result<Vec<u8>, ViewError> {
-    let format = wgpu::TextureFormat::Rgba8Unorm;
-    let mut renderer = Renderer::new(&headless.device, &headless.queue, format);
-    let target = headless.target(size, format);
-    renderer.draw(model, camera, settings, &target.create_view(&Default::default()), size);
-    Ok(headless.read_texture(&target)?)
-}
-
-/// Puts the right half of `other` onto a picture, with a white line between.
-fn join(rgba: &mut [u8], other: &[u8], width: usize) {
-    for (row, other) in rgba.chunks_exact_mut(4 * width).zip(other.chunks_exact(4 * width)) {
-        let middle = 4 * (width / 2);
-        row[middle..].copy_from_slice(&other[middle..]);
-        row[middle..middle + 4].fill(255);
-    }
-}
-
-fn encode([width, height]: [u32; 2], rgba: Vec<u8>) -> Result<Vec<u8>, ViewError> {
+/// A target's texels as a PNG file's bytes, without opacity.
+pub(crate) fn png(host: &Headless, target: &wgpu::Texture) -> Result<Vec<u8>, ViewError> {
+    let rgba = host.read_texture(target)?;
     let rgb = rgba.chunks_exact(4).flat_map(|texel| [texel[0], texel[1], texel[2]]).collect();
-    let image = image::RgbImage::from_raw(width, height, rgb).expect("three bytes a texel");
+    let image = image::RgbImage::from_raw(target.width(), target.height(), rgb).expect("three bytes a texel");
     let mut bytes = std::io::Cursor::new(Vec::new());
     image.write_to(&mut bytes, image::ImageFormat::Png)?;
     Ok(bytes.into_inner())

@@ -36,6 +36,7 @@ const FORBIDDEN: &[(&str, &[&str])] = &[
     ("bake-runtime", &["clap", "indicatif", "miette", "ctrlc", "winit", "egui"]),
     ("bake-view", &["clap", "indicatif", "miette", "ctrlc"]),
     ("bake-study", &["clap", "indicatif", "miette", "ctrlc", "wgpu", "winit"]),
+    ("bake-cli", &["wgpu", "winit", "egui"]),
 ];
 
 /// What each workspace crate uses outside its tests.

@@ -3,6 +3,8 @@
 mod air;
 mod bake;
 mod killed;
+#[cfg(all(feature = "view", target_os = "linux"))]
+mod person;
 mod run;
 mod settings;
 mod study;
@@ -10,3 +12,5 @@ mod tables;
 mod usage;
 #[cfg(feature = "view")]
 mod view;
+#[cfg(all(feature = "view", target_os = "linux"))]
+mod window;

@@ -10,6 +10,7 @@ mod surface;
 
 pub use csv::{PointsError, sample_csv};
 pub use page::LightmapPage;
+pub use surface::charts_of;
 
 use crate::baked_scene::BakedScene;
 use crate::error::{FormatError, Result};

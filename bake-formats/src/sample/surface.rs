@@ -233,7 +233,7 @@ fn closest(corners: [Vec3; 3], point: Vec3) -> (Vec2, f32) {
 
 /// Chart of each triangle: triangles that share an edge's positions and page coordinates are of one chart.
 /// `next` is the first free chart number and moves on.
-fn charts_of(geometry: &Geometry, uv: &[Vec2], next: &mut u32) -> Vec<u32> {
+pub fn charts_of(geometry: &Geometry, uv: &[Vec2], next: &mut u32) -> Vec<u32> {
     let triangles: Vec<[u32; 3]> = geometry.primitives.iter().flat_map(|p| p.triangles.iter().copied()).collect();
     let mut parent: Vec<u32> = (0..triangles.len() as u32).collect();
     fn root(parent: &mut [u32], mut at: u32) -> u32 {

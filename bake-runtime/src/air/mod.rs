@@ -1,13 +1,16 @@
 //! The air of one picture: which method, which shader effects, and the buffers that they read.
 
+mod haze;
 pub(crate) mod records;
 mod upload;
 
+pub use haze::Haze;
 pub use upload::tail_texels;
 pub(crate) use upload::{AirBuffers, Sources, surface_texels};
 
 use bake_formats::manifest::{LightKind, LightRecord};
-use bake_optics::medium::{Bounds, Density, Medium};
+pub use bake_optics::medium::Medium;
+use bake_optics::medium::{Bounds, Density};
 use bake_optics::phase::Phase;
 use glam::DVec3;
 

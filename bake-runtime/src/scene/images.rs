@@ -1,11 +1,10 @@
-//! Images of a package: lightmap pages and what else can lie on them, and light stored at points in space.
+//! Images of a package: lightmap pages, and light stored at points in space.
 
 use bake_formats::float_image::FloatImage;
 use bake_formats::manifest::ProbeGrid;
-use bake_formats::{Manifest, Package, Term};
+use bake_formats::{Manifest, Package};
 use glam::Vec3;
 
-use super::SceneData;
 use crate::error::{Result, RuntimeError};
 
 /// A lightmap page.
@@ -32,52 +31,6 @@ pub struct LatticeData {
     pub count: [u32; 3],
     /// One list a harmonic, 4 or 9 of them: incident radiance, cd/m², and 1 where the point was baked, else 0.
     pub harmonics: Vec<Vec<[f32; 4]>>,
-}
-
-/// What lightmap pages can hold.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum PageContent {
-    /// The sum of some terms; those that were not baked are dark.
-    Terms(Vec<Term>),
-    /// The standard error as a share of the total, grey.
-    RelativeError,
-    /// 1 where texels were baked, 0 where they were filled from their neighbours or are empty.
-    Validity,
-}
-
-impl PageContent {
-    /// Texels from the terms' image `file`; `total` is the page's irradiance.
-    fn texels(&self, image: &FloatImage, file: &str, total: &[[f32; 3]]) -> Result<Vec<[f32; 3]>> {
-        let mean = |[r, g, b]: [f32; 3]| (r + g + b) / 3.0;
-        Ok(match self {
-            Self::Terms(terms) => {
-                let known = terms.iter().filter_map(|term| image.rgb::<Vec3>(term.name()));
-                let sum = known.fold(vec![Vec3::ZERO; image.len()], |sum, texels| {
-                    sum.iter().zip(texels).map(|(a, b)| *a + b).collect()
-                });
-                sum.into_iter().map(Vec3::into).collect()
-            }
-            Self::RelativeError => {
-                let variance = rgb(image, file, "variance")?;
-                let share = |(v, e): (&[f32; 3], &[f32; 3])| [mean(*v).max(0.0).sqrt() / mean(*e).max(1e-20); 3];
-                variance.iter().zip(total).map(share).collect()
-            }
-            Self::Validity => {
-                let valid = image.channel("validity.Y").map(<[f32]>::to_vec);
-                valid.unwrap_or_else(|| vec![1.0; image.len()]).into_iter().map(|v| [v; 3]).collect()
-            }
-        })
-    }
-}
-
-impl SceneData {
-    /// Puts something else on the lightmap pages than the total.
-    pub fn fill_pages(&mut self, package: &Package, content: &PageContent) -> Result<()> {
-        for (page, record) in self.pages.iter_mut().zip(&package.manifest.pages) {
-            page.irradiance = content.texels(&package.image(&record.terms)?, &record.terms, &page.irradiance)?;
-        }
-        Ok(())
-    }
 }
 
 /// All pages of a package.

@@ -1,8 +1,12 @@
 //! What a package holds, in the shape that a device takes: one vertex and one index list, placements grouped by shape.
 
+mod charts;
 mod images;
+mod terms;
 
-pub use images::{LatticeData, Page, PageContent};
+pub use charts::page_charts;
+pub use images::{LatticeData, Page};
+pub use terms::{PageContent, Reading, TermPages};
 
 use std::collections::BTreeMap;
 
@@ -17,6 +21,7 @@ use glam::Vec3;
 use crate::air::records;
 use crate::error::{Result, RuntimeError};
 use crate::layout::{Instance, Surface};
+use crate::prune;
 
 /// A vertex of the one list.
 #[repr(C)]
@@ -96,6 +101,17 @@ pub struct Draw {
     pub mirrored: bool,
     /// Middle of the placements' boxes, metres: the depth order of blended draws.
     pub centre: Vec3,
+    /// Box around the placements' origins, metres.
+    pub origins: [Vec3; 2],
+}
+
+/// A placement's name and page.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PlacedNode {
+    /// Path of node names in the original scene.
+    pub path: String,
+    /// Lightmap page.
+    pub page: Option<u32>,
 }
 
 /// A package ready for a device.
@@ -107,6 +123,8 @@ pub struct SceneData {
     pub indices: Vec<u32>,
     /// Page coordinates, placement by placement.
     pub page_uvs: Vec<[f32; 2]>,
+    /// Placements by the baked scene's node numbers.
+    pub nodes: Vec<PlacedNode>,
     /// Placements, in runs.
     pub instances: Vec<Instance>,
     /// What is drawn.
@@ -147,6 +165,8 @@ impl SceneData {
             ..Self::default()
         };
         scene.place(&baked);
+        let placed = |node: &Node| PlacedNode { path: node.path.clone(), page: node.lightmap.as_ref().map(|l| l.page) };
+        scene.nodes = baked.nodes.iter().map(placed).collect();
         scene.probes = package.manifest.probes.as_ref().map(|grid| images::read_probes(package, grid)).transpose()?;
         (scene.media, scene.notes) = records::media(package)?;
         Ok(scene)
@@ -173,13 +193,21 @@ impl SceneData {
             groups.entry((node.geometry, page, is_mirrored(node))).or_default().push(index);
         }
         let mut bounds = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        for ((geometry, page, mirrored), nodes) in groups {
+        for ((geometry, page, mirrored), mut nodes) in groups {
+            let clutter = nodes.len() >= prune::LEAST;
+            if clutter {
+                nodes.sort_by_key(|&index| (prune::scrambled(index as u32), index));
+            }
             let (shape, first_vertex) = (&baked.geometries[geometry as usize], first_vertices[geometry as usize]);
             let start = self.instances.len() as u32;
             let mut around = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-            for index in nodes {
-                self.push_instance(&baked.nodes[index], index, first_vertex);
+            let mut origins = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+            for (place, &index) in nodes.iter().enumerate() {
+                let rank = if clutter { (place as f32 + 0.5) / nodes.len() as f32 } else { -1.0 };
+                self.push_instance(&baked.nodes[index], index, first_vertex, rank);
                 grow(&mut around, shape, &baked.nodes[index]);
+                let origin = Vec3::from(baked.nodes[index].world_from_object.translation);
+                origins = [origins[0].min(origin), origins[1].max(origin)];
             }
             bounds = [bounds[0].min(around[0]), bounds[1].max(around[1])];
             let instances = start..self.instances.len() as u32;
@@ -187,7 +215,7 @@ impl SceneData {
             for primitive in &shape.primitives {
                 let indices = self.push_triangles(&primitive.triangles, first_vertex);
                 let (instances, material) = (instances.clone(), primitive.material);
-                self.draws.push(Draw { indices, material, page, instances, mirrored, centre });
+                self.draws.push(Draw { indices, material, page, instances, mirrored, centre, origins });
             }
         }
         self.bounds = if bounds[0].is_finite() { bounds } else { [Vec3::ZERO, Vec3::ONE] };
@@ -210,7 +238,7 @@ impl SceneData {
         first
     }
 
-    fn push_instance(&mut self, node: &Node, index: usize, first_vertex: u32) {
+    fn push_instance(&mut self, node: &Node, index: usize, first_vertex: u32, rank: f32) {
         let map = node.world_from_object;
         let row = |r: usize| map.matrix3.row(r).extend(map.translation[r]).to_array();
         let page_uv_first = (self.page_uvs.len() as u32).wrapping_sub(first_vertex);
@@ -222,7 +250,7 @@ impl SceneData {
             page_uv_first,
             node: index as u32,
             handedness: if is_mirrored(node) { -1.0 } else { 1.0 },
-            padding: 0,
+            rank,
         });
     }
 

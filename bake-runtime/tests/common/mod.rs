@@ -98,7 +98,15 @@ impl Fixture {
         image.push_rgb("", Quantity::Irradiance, &self.irradiance);
         let lightmap = writer.add_image("lightmap.00.exr", &image, PixelFormat::F32).expect("a lightmap");
         let mut terms = FloatImage::new(self.size[0], self.size[1]);
-        terms.push_rgb("direct", Quantity::Irradiance, &self.irradiance);
+        let (direct, indirect): (Vec<_>, Vec<_>) =
+            self.irradiance.iter().map(|e| (e.map(|e| 0.75 * e), e.map(|e| 0.25 * e))).unzip();
+        terms.push_rgb("direct", Quantity::Irradiance, &direct);
+        terms.push_rgb("indirect", Quantity::Irradiance, &indirect);
+        let variance: Vec<_> = self.irradiance.iter().map(|e| e.map(|e| (0.1 * e).powi(2))).collect();
+        terms.push_rgb("variance", Quantity::IrradianceVariance, &variance);
+        // The last texel was filled from its neighbours.
+        let valid = (1..=terms.len()).map(|texel| f32::from(u8::from(texel < terms.len()))).collect();
+        terms.push("validity.Y", Quantity::Validity, valid);
         let terms = writer.add_image("terms.00.exr", &terms, PixelFormat::F32).expect("terms");
         let sh1 = self.sh1.as_ref().map(|sh1| {
             let mut image = FloatImage::new(self.size[0], self.size[1]);
@@ -107,7 +115,7 @@ impl Fixture {
         });
         let [width, height] = self.size;
         manifest.pages = vec![PageRecord { width, height, lightmap, terms, sh1, raw: None }];
-        manifest.terms = vec![Term::Direct];
+        manifest.terms = vec![Term::Direct, Term::Indirect];
         let instances = self.scene.nodes.iter().enumerate().map(|(index, node)| InstanceRecord {
             baked_node: index as u32,
             node: 0,

@@ -1,0 +1,230 @@
+//! Packages on a device, drawn as a look asks for. Windows and pictures without one come from here alike.
+
+use bake_formats::{Package, Term};
+use bake_runtime::air::{AirSettings, Haze, Medium};
+use bake_runtime::scene::{PageContent, Reading, TermPages, page_charts};
+use bake_runtime::{Camera, Headless, Method, Model, Onto, Renderer, SceneData, Settings, Show};
+use glam::{DVec3, Vec3};
+
+use crate::error::ViewError;
+use crate::look::{Look, Split};
+use crate::options::View;
+
+/// What pictures are drawn to.
+pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+/// One or two packages, ready to be drawn.
+pub struct Stage {
+    /// Where they are drawn.
+    pub host: Headless,
+    left: Side,
+    right: Option<Side>,
+    renderers: [Renderer; 2],
+    /// A brightness of the whole light, so that single terms keep their share of it, cd/m².
+    white: f32,
+}
+
+/// What lies under a texel of the picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Readout {
+    /// Position, metres.
+    pub place: DVec3,
+    /// Path of the node.
+    pub node: String,
+    /// Lightmap page, and what was baked there.
+    pub lightmap: Option<(u32, Reading)>,
+}
+
+/// A package on the device.
+struct Side {
+    package: Package,
+    model: Model,
+    /// What lies on the pages.
+    content: PageContent,
+    /// Terms, once they were asked for.
+    terms: Option<TermPages>,
+    /// The air as it was baked.
+    media: Vec<Medium>,
+    /// What suits it.
+    plain: Settings,
+}
+
+impl Side {
+    fn new(host: &Headless, package: Package) -> Result<Self, ViewError> {
+        let scene = SceneData::load(&package)?;
+        let media = scene.media.clone();
+        let model = Model::new(&host.device, &host.queue, scene)?;
+        let (content, plain) = (PageContent::Terms(Term::ALL.to_vec()), Settings::for_model(&model));
+        Ok(Self { package, model, content, terms: None, media, plain })
+    }
+
+    /// The terms, read at first use.
+    fn terms(&mut self) -> Result<&TermPages, ViewError> {
+        if self.terms.is_none() {
+            self.terms = Some(TermPages::open(&self.package)?);
+        }
+        Ok(self.terms.as_ref().expect("read above"))
+    }
+
+    /// Puts pages and air into the state that the look asks for.
+    fn prepare(&mut self, host: &Headless, look: &Look) -> Result<(), ViewError> {
+        let content = look.page_content();
+        if content != self.content {
+            let terms = self.terms()?;
+            let pages: Vec<_> = (0..terms.len()).map(|page| terms.texels(page, &content)).collect();
+            pages.iter().enumerate().for_each(|(page, texels)| self.model.set_irradiance(&host.queue, page, texels));
+            self.content = content;
+        }
+        if look.view == View::Show(Show::Charts) && !self.model.has_charts() {
+            let charts = page_charts(&self.package, &self.model.scene.instances)?;
+            self.model.set_charts(&host.device, &charts);
+        }
+        let turned = self.media.iter().enumerate().map(|(index, medium)| {
+            let haze = look.haze.get(index).copied().flatten();
+            haze.map_or_else(|| medium.clone(), |haze: Haze| haze.applied(medium))
+        });
+        self.model.scene.media = turned.collect();
+        Ok(())
+    }
+}
+
+impl Stage {
+    /// Puts packages on a device.
+    pub fn new(host: Headless, left: Package, right: Option<Package>) -> Result<Self, ViewError> {
+        let left = Side::new(&host, left)?;
+        let right = right.map(|package| Side::new(&host, package)).transpose()?;
+        let renderers = [(); 2].map(|()| Renderer::new(&host.device, &host.queue, FORMAT));
+        let white = left.model.scene.typical_radiance();
+        Ok(Self { host, left, right, renderers, white })
+    }
+
+    /// Box around everything, metres.
+    pub fn bounds(&self) -> [Vec3; 2] {
+        self.left.model.scene.bounds
+    }
+
+    /// Name of what is drawn, and of what it is compared with.
+    pub fn names(&self) -> (&str, Option<&str>) {
+        (&self.left.package.manifest.name, self.right.as_ref().map(|side| side.package.manifest.name.as_str()))
+    }
+
+    /// What of the packages is not drawn, in words.
+    pub fn notes(&self) -> Vec<String> {
+        let sides = std::iter::once(&self.left).chain(&self.right);
+        sides.flat_map(|side| side.model.scene.notes.clone()).collect()
+    }
+
+    /// Terms that were baked.
+    pub fn terms(&self) -> &[Term] {
+        &self.left.package.manifest.terms
+    }
+
+    /// The air as it was baked, medium by medium.
+    pub fn baked_haze(&self) -> Vec<Haze> {
+        self.left.media.iter().map(Haze::of).collect()
+    }
+
+    /// Why the air is drawn in another way than `look` asks for.
+    pub fn air_note(&self, look: &Look) -> Option<String> {
+        let settings = settings(look, look.air, self.white, &self.left.plain);
+        let plan = self.renderers[0].air_plan(&self.left.model, &settings)?;
+        plan.note.map(|note| format!("{} stands in for {}: {note}", plan.method.name(), look.air.name()))
+    }
+
+    /// Draws to a target of [`FORMAT`]. Side by side: the column of the divider is left white.
+    pub fn draw(
+        &mut self,
+        camera: &Camera,
+        look: &Look,
+        (target, size): (&wgpu::TextureView, [u32; 2]),
+        timed: bool,
+    ) -> Result<(), ViewError> {
+        self.left.prepare(&self.host, look)?;
+        self.right.as_mut().map_or(Ok(()), |side| side.prepare(&self.host, look))?;
+        let sides = [(&self.left, look.air), (self.right.as_ref().unwrap_or(&self.left), look.right_air)];
+        let settings = sides.map(|(side, air)| Settings { timed, ..settings(look, air, self.white, &side.plain) });
+        let draw = |renderer: &mut Renderer, side: usize, columns: std::ops::Range<u32>| {
+            if !columns.is_empty() {
+                let onto = Onto { view: target, size, columns };
+                renderer.draw_columns(&sides[side].0.model, camera, &settings[side], &onto);
+            }
+        };
+        let [left, right] = &mut self.renderers;
+        match look.split {
+            Split::Off => draw(left, 0, 0..size[0]),
+            Split::Divided(_) => {
+                let divider = look.divider(size[0]).unwrap_or(0);
+                clear_white(&self.host, target);
+                draw(left, 0, 0..divider);
+                draw(right, 1, divider + 1..size[0]);
+            }
+            Split::Difference(share) => {
+                draw(left, 0, 0..size[0]);
+                draw(right, 1, 0..size[0]);
+                left.draw_difference(right, share / settings[0].exposure, target);
+            }
+        }
+        Ok(())
+    }
+
+    /// Luminance of the strongest colour of differences, cd/m².
+    pub fn full_difference(&self, look: &Look) -> Option<f32> {
+        let Split::Difference(share) = look.split else { return None };
+        Some(share / settings(look, look.air, self.white, &self.left.plain).exposure)
+    }
+
+    /// What lies under a texel of a picture that was drawn like this.
+    pub fn read(
+        &mut self,
+        camera: &Camera,
+        look: &Look,
+        size: [u32; 2],
+        texel: [u32; 2],
+    ) -> Result<Option<Readout>, ViewError> {
+        let beyond = look.divider(size[0]).is_some_and(|divider| texel[0] > divider);
+        let side = self.right.as_mut().filter(|_| beyond).unwrap_or(&mut self.left);
+        let settings = settings(look, look.air, self.white, &side.plain);
+        let hit = self.renderers[0].pick(&side.model, camera, &settings, (size, texel))?;
+        let Some(hit) = hit else { return Ok(None) };
+        let node = side.model.scene.nodes.get(hit.node as usize).map_or(String::new(), |node| node.path.clone());
+        let lightmap = match hit.page {
+            Some((page, uv)) => side.terms()?.read(page as usize, uv).map(|reading| (page, reading)),
+            None => None,
+        };
+        Ok(Some(Readout { place: hit.place, node, lightmap }))
+    }
+
+    /// Milliseconds of each pass of the last picture, where the device tells; of the left side where there are two.
+    pub fn milliseconds(&self) -> Vec<(&'static str, f64)> {
+        self.renderers[0].milliseconds().and_then(Result::ok).unwrap_or_default()
+    }
+}
+
+/// How a side is drawn; `white`: what exposure goes by, `plain`: what suits its model.
+fn settings(look: &Look, method: Method, white: f32, plain: &Settings) -> Settings {
+    let stops = look.exposure_stops.exp2();
+    let air = AirSettings { method, ..plain.air };
+    let settings = Settings { air, exposure: 0.5 / white * stops, prune_start_m: look.prune_start_m, ..plain.clone() };
+    let pages = Settings { show: Show::Irradiance, filmic: false, ..settings.clone() };
+    match look.view {
+        View::Show(Show::Irradiance) => Settings { exposure: settings.exposure / std::f32::consts::PI, ..pages },
+        View::Show(show @ (Show::Nodes | Show::Charts | Show::Density)) => {
+            Settings { show, exposure: stops, filmic: false, ..settings }
+        }
+        View::Show(show) => Settings { show, ..settings },
+        View::Error => Settings { exposure: 10.0 * stops, ..pages },
+        View::Validity => Settings { exposure: stops, ..pages },
+    }
+}
+
+fn clear_white(host: &Headless, target: &wgpu::TextureView) {
+    let mut encoder = host.device.create_command_encoder(&Default::default());
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::WHITE), store: wgpu::StoreOp::Store };
+    let attachment = wgpu::RenderPassColorAttachment { view: target, depth_slice: None, resolve_target: None, ops };
+    drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("divider"),
+        color_attachments: &[Some(attachment)],
+        ..Default::default()
+    }));
+    host.queue.submit([encoder.finish()]);
+}
