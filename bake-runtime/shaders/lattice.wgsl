@@ -1,9 +1,6 @@
 // Light stored at the points of a lattice, as harmonics of incident radiance: probes, and cells of fog.
 // Point (ix, iy, iz) is texel x = ix + nx iz, y = iy; layer k holds harmonic k. Places are relative to the eye.
 
-@group(0) @binding(17) var<uniform> lattice: Lattice;
-@group(0) @binding(18) var lattice_texels: texture_2d_array<f32>;
-
 // Real harmonics l <= 2 without Condon-Shortley sign, index l(l+1)+m. Twin: bake_optics::harmonics::real_sh.
 fn real_harmonic(k: u32, d: vec3f) -> f32 {
     switch k {
@@ -25,14 +22,14 @@ fn degree_of(k: u32) -> u32 {
 }
 
 // The texel of a point, clamped to the lattice.
-fn lattice_texel(point: vec3i) -> vec2i {
+fn lattice_texel(lattice: Lattice, point: vec3i) -> vec2i {
     let count = vec3i(i32(lattice.count_x), i32(lattice.count_y), i32(lattice.count_z));
     let at = clamp(point, vec3i(0), count - 1);
     return vec2i(at.x + count.x * at.z, at.y);
 }
 
 // Sum over harmonics of weight_l c_k Y_k(dir), trilinear at a place. Points without light of their own (alpha 0) are left out.
-fn lattice_light(place: vec3f, dir: vec3f, weights: vec3f) -> vec3f {
+fn lattice_light(lattice: Lattice, texels: texture_2d_array<f32>, place: vec3f, dir: vec3f, weights: vec3f) -> vec3f {
     let at = (place - lattice.origin) * lattice.inverse_spacing;
     let low = floor(at);
     let share = at - low;
@@ -41,20 +38,15 @@ fn lattice_light(place: vec3f, dir: vec3f, weights: vec3f) -> vec3f {
     for (var corner = 0u; corner < 8u; corner++) {
         let step = vec3u(corner & 1u, (corner >> 1u) & 1u, corner >> 2u);
         let near = select(1.0 - share, share, step == vec3u(1u));
-        let texel = lattice_texel(vec3i(low) + vec3i(step));
-        let weight = near.x * near.y * near.z * textureLoad(lattice_texels, texel, 0, 0).a;
+        let texel = lattice_texel(lattice, vec3i(low) + vec3i(step));
+        let weight = near.x * near.y * near.z * textureLoad(texels, texel, 0, 0).a;
         total += weight;
         if weight <= 0.0 {
             continue;
         }
         for (var k = 0u; k < lattice.harmonics; k++) {
-            sum += textureLoad(lattice_texels, texel, k, 0).rgb * (weight * weights[degree_of(k)] * real_harmonic(k, dir));
+            sum += textureLoad(texels, texel, k, 0).rgb * (weight * weights[degree_of(k)] * real_harmonic(k, dir));
         }
     }
     return sum / total;
-}
-
-// Irradiance of a surface that faces `normal`: the clamped cosine's zonal factors pi, 2 pi/3, pi/4.
-fn lattice_irradiance(place: vec3f, normal: vec3f) -> vec3f {
-    return max(vec3f(0.0), lattice_light(place, normal, vec3f(PI, 2.0 * PI / 3.0, 0.25 * PI)));
 }

@@ -8,7 +8,7 @@
 // uses: texel_pattern // if SHOW_TEXELS
 // uses: density // if SHOW_DENSITY
 // uses: hashed_color // if SHOW_NODES|SHOW_CHARTS
-// uses: lattice // if PROBES
+// uses: probes // if PROBES
 // uses: lights // if LIGHTS
 // uses: inscatter // if AIR
 
@@ -25,7 +25,7 @@ fn fragment(in: VertexOut, @builtin(front_facing) front: bool) -> @location(0) v
     let around = texels_around(in.page_uv); // if LIGHTMAP
     light += baked_irradiance(around); // if LIGHTMAP&!SH1
     light += bent_irradiance(around, flat, normal); // if SH1
-    light += lattice_irradiance(in.place, normal); // if PROBES
+    light += probe_irradiance(in.place, normal); // if PROBES
     var radiance = base.rgb * light / PI;
     radiance += lit_radiance(base.rgb, surface.exponent, in.place, normal); // if LIGHTS
     var emission = surface.emission; // if EMISSION

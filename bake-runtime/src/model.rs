@@ -21,6 +21,7 @@ pub struct Model {
     pub(crate) textures: Vec<(wgpu::TextureView, wgpu::Sampler)>,
     pub(crate) pages: Vec<PageViews>,
     pub(crate) probes: Option<wgpu::TextureView>,
+    pub(crate) air_light: Option<wgpu::TextureView>,
     /// Exponents of the materials' Phong lobes, each once.
     pub(crate) exponents: Vec<f32>,
 }
@@ -55,6 +56,7 @@ impl Model {
             textures: scene.textures.iter().map(|texture| upload_texture(device, queue, texture)).collect(),
             pages: scene.pages.iter().map(|page| upload_page(device, queue, page)).collect(),
             probes: scene.probes.as_ref().map(|lattice| upload_lattice(device, queue, lattice)),
+            air_light: scene.air_light.as_ref().map(|lattice| upload_lattice(device, queue, lattice)),
             exponents,
             scene: SceneData::default(),
         };
@@ -147,7 +149,11 @@ fn check_limits(device: &wgpu::Device, scene: &SceneData) -> Result<()> {
     let limits = device.limits();
     let side = limits.max_texture_dimension_2d;
     let sizes = scene.pages.iter().map(|p| ("a lightmap page", p.width.max(p.height)));
-    let probes = scene.probes.iter().map(|p| ("the probe image", (p.count[0] * p.count[2]).max(p.count[1])));
+    let probes = scene
+        .probes
+        .iter()
+        .chain(&scene.air_light)
+        .map(|p| ("the image of probes or fog cells", (p.count[0] * p.count[2]).max(p.count[1])));
     let sizes = sizes.chain(probes).chain(scene.textures.iter().map(|t| ("a texture", t.width.max(t.height))));
     for (what, size) in sizes {
         if size > side {

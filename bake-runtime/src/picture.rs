@@ -11,7 +11,7 @@ use crate::layout::{Frame, Lattice};
 use crate::model::Model;
 use crate::prune;
 use crate::renderer::{Settings, Show};
-use crate::scene::{Draw, Opacity};
+use crate::scene::{Draw, LatticeData, Opacity};
 use crate::variant::{Pass, Variant};
 
 /// One picture in the making.
@@ -25,7 +25,8 @@ pub(crate) struct Picture<'a> {
     pub columns: Range<u32>,
     height: u32,
     frame: wgpu::Buffer,
-    lattice: wgpu::Buffer,
+    probes: wgpu::Buffer,
+    air_lattice: wgpu::Buffer,
     tables: Tables<'a>,
 }
 
@@ -43,7 +44,7 @@ pub(crate) fn air_plan(model: &Model, settings: &Settings) -> Option<AirPlan> {
     let lights: Vec<&LightRecord> = scene.lights.iter().chain(&scene.dynamic_lights).collect();
     let plan = AirPlan::shadowed(settings.air, &scene.media, &lights, settings.shadow_size.is_some());
     plan.map(|mut plan| {
-        plan.variant = plan.variant.with("LATTICE_AIR", settings.baked_in_air && scene.probes.is_some());
+        plan.variant = plan.variant.with("LATTICE_AIR", settings.baked_in_air && scene.air_light.is_some());
         plan.variant = plan.variant.with("SKY_FOGGED", settings.air.sky_distance_m.is_some());
         plan
     })
@@ -64,8 +65,9 @@ impl<'a> Picture<'a> {
         let [lamp_count, sun_count] = buffers.counts;
         let frame = Frame { lamp_count, sun_count, sky: sky(model, settings), ..frame(camera, settings, size) };
         let frame = uniform(device, "frame", &frame);
-        let lattice = uniform(device, "lattice", &lattice(model, camera));
-        Self { model, camera, settings, plan, buffers, columns, height: size[1], frame, lattice, tables }
+        let probes = uniform(device, "probes", &lattice(scene.probes.as_ref(), camera));
+        let air_lattice = uniform(device, "air lattice", &lattice(scene.air_light.as_ref(), camera));
+        Self { model, camera, settings, plan, buffers, columns, height: size[1], frame, probes, air_lattice, tables }
     }
 
     /// Draws nothing beside the picture's columns.
@@ -91,8 +93,10 @@ impl<'a> Picture<'a> {
             "coefficients" => self.buffers.coefficients.as_entire_binding(),
             "moments" => self.buffers.moments.as_entire_binding(),
             "shadow_views" => self.buffers.shadow_views.as_entire_binding(),
-            "lattice" => self.lattice.as_entire_binding(),
-            "lattice_texels" => texture(self.model.probes.as_ref()),
+            "probes" => self.probes.as_entire_binding(),
+            "probe_texels" => texture(self.model.probes.as_ref()),
+            "air_lattice" => self.air_lattice.as_entire_binding(),
+            "air_texels" => texture(self.model.air_light.as_ref()),
             "tail_texels" => texture(self.tables.tails),
             "surface_texels" => texture(self.tables.surfaces),
             "shadow_map" => texture(self.tables.shadows),
@@ -204,16 +208,16 @@ fn sky(model: &Model, settings: &Settings) -> [f32; 3] {
     })
 }
 
-fn lattice(model: &Model, camera: &Camera) -> Lattice {
-    let Some(probes) = &model.scene.probes else { return Lattice::default() };
-    let [count_x, count_y, count_z] = probes.count;
+fn lattice(points: Option<&LatticeData>, camera: &Camera) -> Lattice {
+    let Some(points) = points else { return Lattice::default() };
+    let [count_x, count_y, count_z] = points.count;
     Lattice {
-        origin: (probes.origin.as_dvec3() - camera.eye).as_vec3().to_array(),
+        origin: (points.origin.as_dvec3() - camera.eye).as_vec3().to_array(),
         count_x,
-        inverse_spacing: probes.spacing.max(glam::Vec3::splat(1e-6)).recip().to_array(),
+        inverse_spacing: points.spacing.max(glam::Vec3::splat(1e-6)).recip().to_array(),
         count_y,
         count_z,
-        harmonics: probes.harmonics.len() as u32,
+        harmonics: points.harmonics.len() as u32,
         ..Lattice::default()
     }
 }

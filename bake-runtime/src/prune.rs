@@ -75,7 +75,8 @@ mod tests {
             areas.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f32::max)
         };
         // A thousandth of the way takes no piece more than a twentieth of its own area; cut off sharply, all of it goes at once.
-        let (soft, sharp) = (leap(&|kept| scale(0.3, kept).powi(2)), leap(&|kept| if kept > 0.3 { 1.0 / kept } else { 0.0 }));
+        let (soft, sharp) =
+            (leap(&|kept| scale(0.3, kept).powi(2)), leap(&|kept| if kept > 0.3 { 1.0 / kept } else { 0.0 }));
         assert!(soft < 0.05 && sharp > 1.0, "{soft} {sharp}");
     }
 

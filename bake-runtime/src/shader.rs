@@ -56,6 +56,7 @@ modules![
     "pick",
     "pieces",
     "placed",
+    "probes",
     "pruning",
     "screen",
     "sh1",

@@ -208,7 +208,7 @@ fn probes_light_what_has_no_lightmap() {
 fn light_stored_in_space_lights_the_air() {
     let Some(headless) = headless() else { return };
     let media = vec![air(0.3, 0.1)];
-    let scene = SceneData { probes: Some(lattice(3.0, 0.0)), media, ..wall(0.0) };
+    let scene = SceneData { air_light: Some(lattice(3.0, 0.0)), media, ..wall(0.0) };
     let (pixels, _) = picture(&headless, scene.clone(), &front(2.0), &plain(), SIZE);
     let mut worst = Worst::new("air in even light", 1e-3);
     for (index, pixel) in pixels.iter().enumerate() {

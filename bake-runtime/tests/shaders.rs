@@ -235,7 +235,7 @@ fn an_effect_that_is_off_leaves_no_instruction_and_no_binding() {
         ("LUT", "tail_texels"),
         ("RAY_MARCH", "f32(STEPS)"),
         ("SHAFTS", "lamp_airlight_shadowed"),
-        ("LATTICE_AIR", "lattice_texels"),
+        ("LATTICE_AIR", "air_texels"),
         ("SHADOWS", "shadow_map"),
     ];
     let mut seen = BTreeSet::new();

@@ -24,5 +24,5 @@ pub use options::{
     AirArgument, CameraArgument, Compare, CompareArgument, OptionError, Options, SizeArgument, TermsArgument, View,
     ViewArgument,
 };
-pub use screenshot::{Screenshot, screenshot};
+pub use screenshot::{Screenshot, screenshot, variants};
 pub use window::window;

@@ -31,6 +31,16 @@ pub fn screenshot(package: Package, options: &Options) -> Result<Screenshot, Vie
     Ok(Screenshot { png, adapter: stage.host.info.name.clone(), notes: stage.notes() })
 }
 
+/// The shaders that a picture of a package calls for, one a line: pass and effects.
+pub fn variants(package: Package, options: &Options) -> Result<Vec<String>, ViewError> {
+    let mut stage = open(package, options, Headless::open()?)?;
+    let [low, high] = stage.bounds();
+    let camera = options.camera.unwrap_or_else(|| Camera::overview(low, high));
+    let view = stage.host.target([16, 16], FORMAT).create_view(&Default::default());
+    stage.draw(&camera, &Look::new(options), (&view, [16, 16]), false)?;
+    Ok(stage.variants().into_iter().collect())
+}
+
 /// A package, and the one that it is compared with, on a device.
 pub(crate) fn open(package: Package, options: &Options, host: Headless) -> Result<Stage, ViewError> {
     let other = match &options.compare {

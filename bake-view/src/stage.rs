@@ -1,5 +1,7 @@
 //! Packages on a device, drawn as a look asks for. Windows and pictures without one come from here alike.
 
+use std::collections::BTreeSet;
+
 use bake_formats::{Package, Term};
 use bake_runtime::air::{AirSettings, Haze, Medium};
 use bake_runtime::scene::{PageContent, Reading, TermPages, page_charts};
@@ -122,6 +124,11 @@ impl Stage {
     /// The air as it was baked, medium by medium.
     pub fn baked_haze(&self) -> Vec<Haze> {
         self.left.media.iter().map(Haze::of).collect()
+    }
+
+    /// Shaders that pictures called for so far, one a line: pass and effects.
+    pub fn variants(&self) -> BTreeSet<String> {
+        self.renderers.iter().flat_map(Renderer::variants).map(ToString::to_string).collect()
     }
 
     /// Why the air is drawn in another way than `look` asks for.

@@ -32,6 +32,9 @@ pub struct Args {
     /// Write a picture to this PNG file instead of opening a window
     #[arg(long, value_name = "FILE")]
     pub screenshot: Option<PathBuf>,
+    /// Print the shaders that the picture calls for, each with its effects, instead of opening a window
+    #[arg(long, conflicts_with = "screenshot")]
+    pub list_variants: bool,
     /// Size of the picture or window, texels
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub size: SizeArgument,
@@ -75,6 +78,10 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
         prune_start_m: args.prune.map(|start| if start > 0.0 { start } else { f32::MIN_POSITIVE }),
         difference: args.difference.map(|share| if share > 0.0 { share.min(1e6) } else { 0.1 }),
     };
+    if args.list_variants {
+        bake_view::variants(package, &options).map_err(failure)?.iter().for_each(|variant| println!("{variant}"));
+        return Ok(Outcome::Done);
+    }
     let Some(file) = &args.screenshot else {
         bake_view::window(package, options).map_err(failure)?;
         return Ok(Outcome::Done);

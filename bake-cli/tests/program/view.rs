@@ -29,6 +29,10 @@ fn a_baked_room_is_drawn_and_the_picture_repeats() {
         let file = format!("view{index}.png");
         desk.bake(&format!("view room.bake --screenshot {file} {view} --size 96x64 {CAMERA}")).expect(0, &[]);
     }
+    let listed = desk.bake("view room.bake --list-variants");
+    listed.expect(0, &[]);
+    let airless = |line: &str| !line.starts_with("Air") && !line.contains(" AIR");
+    assert!(listed.out.contains("Surface") && listed.out.lines().all(airless), "{}", listed.out);
     let read = |name: &str| std::fs::read(desk.path(name)).expect("a picture was written");
     assert!(read("a.png").starts_with(b"\x89PNG"));
     assert!(read("a.png") == read("b.png"), "same package, other picture");

@@ -51,8 +51,8 @@ pub(super) fn read_pages(package: &Package) -> Result<Vec<Page>> {
         .collect()
 }
 
-/// The probes of a package.
-pub(super) fn read_probes(package: &Package, grid: &ProbeGrid) -> Result<LatticeData> {
+/// Light at points in space as `bands`² harmonics, and where each point's light was gathered.
+pub(super) fn read_lattice(package: &Package, grid: &ProbeGrid, bands: usize) -> Result<(LatticeData, Vec<Vec3>)> {
     let image = package.image(&grid.file)?;
     let [nx, ny, nz] = grid.count;
     if u64::from(image.width) != u64::from(nx) * u64::from(nz) || image.height != ny {
@@ -66,8 +66,16 @@ pub(super) fn read_probes(package: &Package, grid: &ProbeGrid) -> Result<Lattice
         let alpha = |at: usize| valid.map_or(1.0, |valid| valid[at]);
         Ok(values.iter().enumerate().map(|(at, &[r, g, b])| [r, g, b, alpha(at)]).collect())
     };
-    let harmonics = (0..9).map(layer).collect::<Result<_>>()?;
-    Ok(LatticeData { origin: grid.origin, spacing: grid.spacing, count: grid.count, harmonics })
+    let harmonics = (0..bands * bands).map(layer).collect::<Result<_>>()?;
+    let offset = |at: usize| {
+        Vec3::from(["X", "Y", "Z"].map(|axis| image.channel(&format!("offset.{axis}")).map_or(0.0, |o| o[at])))
+    };
+    let place = |at: usize| {
+        let (x, y) = (at as u32 % image.width, at as u32 / image.width);
+        grid.origin + grid.spacing * Vec3::new((x % nx) as f32, y as f32, (x / nx) as f32) + offset(at)
+    };
+    let places = (0..image.len()).map(place).collect();
+    Ok((LatticeData { origin: grid.origin, spacing: grid.spacing, count: grid.count, harmonics }, places))
 }
 
 /// The three channels of a prefix.

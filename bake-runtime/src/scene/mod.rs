@@ -2,6 +2,7 @@
 
 mod charts;
 mod images;
+mod lamps;
 mod terms;
 
 pub use charts::page_charts;
@@ -139,8 +140,10 @@ pub struct SceneData {
     pub lights: Vec<LightRecord>,
     /// Lights that were not baked: they shine on surfaces and air alike, and may change from picture to picture.
     pub dynamic_lights: Vec<LightRecord>,
-    /// Light stored in space by the bake.
+    /// Light stored in space by the bake, for surfaces without lightmap.
     pub probes: Option<LatticeData>,
+    /// The same for the air, without what comes straight from `lights`: from the fog volume, else from the probes.
+    pub air_light: Option<LatticeData>,
     /// The air, places in the world; may change from picture to picture.
     pub media: Vec<Medium>,
     /// What of the package is not drawn, in words.
@@ -167,7 +170,17 @@ impl SceneData {
         scene.place(&baked);
         let placed = |node: &Node| PlacedNode { path: node.path.clone(), page: node.lightmap.as_ref().map(|l| l.page) };
         scene.nodes = baked.nodes.iter().map(placed).collect();
-        scene.probes = package.manifest.probes.as_ref().map(|grid| images::read_probes(package, grid)).transpose()?;
+        let manifest = &package.manifest;
+        let read = |grid, bands| images::read_lattice(package, grid, bands);
+        let probes = manifest.probes.as_ref().map(|grid| read(grid, 3)).transpose()?;
+        let cells = manifest.fog_volume.as_ref().map(|grid| read(grid, 2)).transpose()?;
+        if let (Some((mut lattice, places)), false) = (cells.or_else(|| probes.clone()), manifest.media.is_empty()) {
+            // A grid too wide to be stored is told by the notes; what it would take away is then left in.
+            let media = package.media().map(|(media, _)| media).unwrap_or_default();
+            lamps::take_out(&mut lattice, &places, &manifest.lights, &media);
+            scene.air_light = Some(lattice);
+        }
+        scene.probes = probes.map(|(lattice, _)| lattice);
         (scene.media, scene.notes) = records::media(package)?;
         Ok(scene)
     }
