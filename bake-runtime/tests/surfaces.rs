@@ -199,3 +199,36 @@ fn emission_adds_and_the_curve_comes_last() {
         assert!((got - display_of(radiance)).abs() < 1.0, "channel {channel}: {got}, not {}", display_of(radiance));
     }
 }
+
+#[test]
+fn emission_textures_glow_where_they_are_bright_and_as_strong_as_the_material_says() {
+    let Some(headless) = headless() else { return };
+    let mut fixture = Fixture::new([4, 4], [0.0; 3]);
+    // Left half red, right half half-bright in sRGB; turned upside down and mirrored on the second square.
+    let glow = fixture.texture(2, 1, &[255, 0, 0, 255, 188, 188, 188, 255]);
+    let mirrored = gltf::TextureInfo {
+        extensions: Some(gltf::TextureInfoExtensions {
+            transform: gltf::TextureTransform { offset: [1.0, 1.0], rotation: PI, scale: [1.0, 1.0] },
+        }),
+        ..glow.clone()
+    };
+    for (info, left_is_red) in [(glow, true), (mirrored, false)] {
+        let material = fixture.material(|m| {
+            m.emissive_factor = Some([1.0, 0.5, 0.25]);
+            m.emissive_texture = Some(info);
+            m.extensions.emissive_strength = Some(gltf::EmissiveStrength { emissive_strength: 20.0 });
+        });
+        let square = fixture.square(material);
+        fixture.scene.nodes.clear();
+        fixture.place(square, Affine3A::IDENTITY, Vec2::ZERO, Vec2::ONE);
+        let (pixels, _) = picture(&headless, fixture.load(), &front(2.0), &plain(), SIZE);
+        let red = Vec3::new(20.0, 0.0, 0.0);
+        // 188 of 255 is 0.5029 in linear light (IEC 61966-2-1).
+        let grey = Vec3::new(20.0, 10.0, 5.0) * 0.5029;
+        let (left, right) = if left_is_red { (red, grey) } else { (grey, red) };
+        for (place, want) in [(Vec2::new(-0.5, 0.3), left), (Vec2::new(0.5, -0.3), right)] {
+            let got = Vec3::from(at(&pixels, place));
+            assert!((got - want).length() < 0.01 * want.length(), "{place}: {got}, not {want}");
+        }
+    }
+}

@@ -20,6 +20,8 @@ pub struct Look {
     pub air: Method,
     /// The air's numbers, medium by medium; none: as it was baked.
     pub haze: Vec<Option<Haze>>,
+    /// Distance of the sky behind air, metres; none: it is seen through the air's own extent.
+    pub sky_distance_m: Option<u32>,
     /// Distance from which on clutter is thinned, metres; none: everything is drawn.
     pub prune_start_m: Option<f32>,
     /// Whether there are two sides.
@@ -54,6 +56,7 @@ impl Look {
             terms: options.terms.clone().unwrap_or_else(|| Term::ALL.to_vec()),
             air: options.air,
             haze: Vec::new(),
+            sky_distance_m: None,
             prune_start_m: options.prune_start_m,
             split,
             right_air,

@@ -34,6 +34,8 @@ pub struct Facts {
     pub terms: Vec<Term>,
     /// The air as it was baked.
     pub haze: Vec<Haze>,
+    /// Whether there is a sky.
+    pub sky: bool,
     /// Milliseconds of each pass.
     pub times: Vec<(&'static str, f64)>,
     /// Milliseconds of the whole picture, as the host sees it, and pixels across that share a texel.
@@ -61,7 +63,6 @@ pub struct Touched {
 
 /// Panel and picture.
 pub fn show(ui: &mut Ui, viewer: &mut Viewer, facts: &Facts, picture: egui::TextureId) -> Touched {
-    press_keys(ui, viewer);
     if viewer.panel {
         let panel = egui::Panel::right("panel").resizable(false).exact_size(WIDTH);
         panel.show(ui, |ui| {
@@ -72,7 +73,11 @@ pub fn show(ui: &mut Ui, viewer: &mut Viewer, facts: &Facts, picture: egui::Text
     if !ui.ctx().text_edit_focused() {
         ui.ctx().memory_mut(|memory| memory.focused().into_iter().for_each(|id| memory.surrender_focus(id)));
     }
-    egui::CentralPanel::no_frame().show(ui, |ui| touch(ui, viewer, picture)).inner
+    let touched = egui::CentralPanel::no_frame().show(ui, |ui| touch(ui, viewer, picture)).inner;
+    // Keys come last: home is where the camera is after all.
+    viewer.navigator.go(&touched.motion);
+    press_keys(ui, viewer);
+    touched
 }
 
 fn press_keys(ui: &Ui, viewer: &mut Viewer) {
@@ -81,7 +86,10 @@ fn press_keys(ui: &Ui, viewer: &mut Viewer) {
     }
     let pressed: Vec<_> =
         ui.input(|i| KEYS.iter().filter(|(key, ..)| i.key_pressed(*key)).map(|(.., action)| *action).collect());
-    pressed.into_iter().for_each(|action| viewer.act(action));
+    for action in pressed {
+        viewer.act(action);
+        ui.ctx().request_repaint();
+    }
 }
 
 /// The picture, and the mouse on it.
@@ -96,14 +104,21 @@ fn touch(ui: &mut Ui, viewer: &mut Viewer, picture: egui::TextureId) -> Touched 
         let by = response.drag_delta() / area.height().max(1.0);
         if held { Vec2::new(by.x, by.y) } else { Vec2::ZERO }
     };
-    let writes = ui.ctx().text_edit_focused();
+    // All of egui is locked while its input is read: nothing may ask it again in there.
+    let (turn, shift) = (drag(&[PointerButton::Primary]), drag(&[PointerButton::Secondary, PointerButton::Middle]));
+    let (hovered, writes) = (response.hovered(), ui.ctx().text_edit_focused());
     let motion = ui.input(|i| Motion {
-        walk: WALK.iter().filter(|(key, _)| !writes && i.key_down(*key)).map(|(_, way)| Vec3::from(*way)).sum(),
+        // A key that was let go again since the last picture counts for one.
+        walk: WALK
+            .iter()
+            .filter(|(key, _)| !writes && (i.key_down(*key) || i.key_pressed(*key)))
+            .map(|(_, way)| Vec3::from(*way))
+            .sum(),
         fast: i.modifiers.shift,
         seconds: i.stable_dt,
-        turn: drag(&[PointerButton::Primary]),
-        shift: drag(&[PointerButton::Secondary, PointerButton::Middle]),
-        wheel: if response.hovered() { i.smooth_scroll_delta().y / NOTCH } else { 0.0 },
+        turn,
+        shift,
+        wheel: if hovered { i.smooth_scroll_delta().y / NOTCH } else { 0.0 },
     });
     let held = motion.is_walking() || motion.wheel != 0.0 || ui.input(|i| i.pointer.any_down());
     let share = |at: egui::Pos2| Vec2::new((at.x - area.left()) / area.width(), (at.y - area.top()) / area.height());
@@ -119,7 +134,9 @@ fn divide(ui: &mut Ui, area: Rect, split: &mut Split) {
     if response.hovered() || response.dragged() {
         ui.ctx().set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
     }
-    *share = (*share + response.drag_delta().x / area.width().max(1.0)).clamp(0.0, 1.0);
+    if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+        *share = ((at.x - area.left()) / area.width().max(1.0)).clamp(0.0, 1.0);
+    }
 }
 
 fn widgets(ui: &mut Ui, viewer: &mut Viewer, facts: &Facts) {
@@ -177,8 +194,21 @@ fn air(ui: &mut Ui, viewer: &mut Viewer, facts: &Facts) {
     }
     if facts.haze.is_empty() {
         ui.weak("baked without air");
+    } else if facts.sky {
+        sky(ui, &mut viewer.look.sky_distance_m);
     }
     facts.notes.iter().for_each(|note| drop(ui.weak(note)));
+}
+
+/// How far off the sky is taken to be.
+fn sky(ui: &mut Ui, distance: &mut Option<u32>) {
+    let mut stated = distance.is_some();
+    if ui.checkbox(&mut stated, "sky at a stated distance").changed() {
+        *distance = stated.then_some(100);
+    }
+    if let Some(distance) = distance {
+        ui.add(egui::Slider::new(distance, 1..=100_000).logarithmic(true).text("m"));
+    }
 }
 
 fn methods(ui: &mut Ui, label: &str, method: &mut Method) {

@@ -121,6 +121,11 @@ impl Stage {
         &self.left.package.manifest.terms
     }
 
+    /// Whether there is light from infinitely far that is no sun.
+    pub fn has_sky(&self) -> bool {
+        self.left.model.scene.environment.is_some()
+    }
+
     /// The air as it was baked, medium by medium.
     pub fn baked_haze(&self) -> Vec<Haze> {
         self.left.media.iter().map(Haze::of).collect()
@@ -210,7 +215,7 @@ impl Stage {
 /// How a side is drawn; `white`: what exposure goes by, `plain`: what suits its model.
 fn settings(look: &Look, method: Method, white: f32, plain: &Settings) -> Settings {
     let stops = look.exposure_stops.exp2();
-    let air = AirSettings { method, ..plain.air };
+    let air = AirSettings { method, sky_distance_m: look.sky_distance_m, ..plain.air };
     let settings = Settings { air, exposure: 0.5 / white * stops, prune_start_m: look.prune_start_m, ..plain.clone() };
     let pages = Settings { show: Show::Irradiance, filmic: false, ..settings.clone() };
     match look.view {

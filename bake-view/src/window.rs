@@ -24,7 +24,7 @@ use crate::stage::{FORMAT, Stage};
 /// Opens a window on a package and returns when it is closed.
 pub fn window(package: Package, options: Options) -> Result<(), ViewError> {
     let events = EventLoop::new()?;
-    let mut program = Program::Waiting(Some((package, options)));
+    let mut program = Program::Waiting(Some(Box::new((package, options))));
     events.run_app(&mut program)?;
     match program {
         Program::Failed(error) => Err(error),
@@ -34,7 +34,7 @@ pub fn window(package: Package, options: Options) -> Result<(), ViewError> {
 
 /// winit gives a window only once its loop runs.
 enum Program {
-    Waiting(Option<(Package, Options)>),
+    Waiting(Option<Box<(Package, Options)>>),
     Open(Box<Desk>),
     Failed(ViewError),
 }
@@ -42,7 +42,8 @@ enum Program {
 impl ApplicationHandler for Program {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         let Self::Waiting(waiting) = self else { return };
-        let Some((package, options)) = waiting.take() else { return };
+        let Some(waiting) = waiting.take() else { return };
+        let (package, options) = *waiting;
         match Desk::new(events, package, &options) {
             Ok(desk) => *self = Self::Open(Box::new(desk)),
             Err(error) => {
@@ -164,7 +165,6 @@ impl Desk {
             touched = Some(panel::show(ui, &mut self.viewer, &self.facts, self.texture));
         });
         let touched = touched.expect("run_ui runs it");
-        self.viewer.navigator.go(&touched.motion);
         let drawn = self.draw(&touched, output.pixels_per_point)?;
         let stale = self.read(&touched, drawn)? || drawn;
         if std::mem::take(&mut self.viewer.save) {
@@ -291,6 +291,7 @@ fn facts(stage: &Stage) -> Facts {
         notes: stage.notes(),
         terms: stage.terms().to_vec(),
         haze: stage.baked_haze(),
+        sky: stage.has_sky(),
         ..Facts::default()
     }
 }

@@ -10,7 +10,10 @@ use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
 /// How long the window may take to show what it should.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// How long a tap on a key takes.
+const A_MOMENT: Duration = Duration::from_millis(50);
 
 /// Keys without a letter (X11 keysyms).
 pub const TAB: u32 = 0xff09;
@@ -37,6 +40,20 @@ impl Pixels {
     pub fn read(path: &std::path::Path) -> Self {
         let image = image::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).into_rgb8();
         Self { size: [image.width(), image.height()], rgb: image.pixels().map(|pixel| pixel.0).collect() }
+    }
+
+    /// Some of its columns.
+    pub fn columns(&self, columns: std::ops::Range<usize>) -> Self {
+        let rows = self.rgb.chunks_exact(self.size[0] as usize);
+        let rgb = rows.flat_map(|row| &row[columns.clone()]).copied().collect();
+        Self { size: [columns.len() as u32, self.size[1]], rgb }
+    }
+
+    /// Some of its rows.
+    pub fn rows(&self, rows: std::ops::Range<usize>) -> Self {
+        let width = self.size[0] as usize;
+        let rgb = self.rgb[rows.start * width..rows.end * width].to_vec();
+        Self { size: [self.size[0], rows.len() as u32], rgb }
     }
 
     /// The mean difference of channels, of 255; 255 where the sizes differ.
@@ -125,32 +142,50 @@ pub struct Seen<'a> {
 impl Seen<'_> {
     /// Presses a key and lets it go.
     pub fn press(&self, keysym: u32) {
-        self.hold(keysym, Duration::from_millis(30));
-    }
-
-    /// Holds a key.
-    pub fn hold(&self, keysym: u32, time: Duration) {
         let code = self.display.keycode(keysym);
         self.display.send(xproto::KEY_PRESS_EVENT, code, [0, 0]);
-        std::thread::sleep(time);
+        std::thread::sleep(A_MOMENT);
         self.display.send(xproto::KEY_RELEASE_EVENT, code, [0, 0]);
     }
 
-    /// Moves the mouse to a place of the window.
-    pub fn point(&self, place: [i16; 2]) {
-        self.display.send(xproto::MOTION_NOTIFY_EVENT, 0, place);
-        std::thread::sleep(Duration::from_millis(30));
+    /// Holds a key until the window shows something of which `right` is true.
+    #[track_caller]
+    pub fn hold_until(&mut self, keysym: u32, what: &str, right: impl Fn(&Pixels) -> bool) {
+        let code = self.display.keycode(keysym);
+        self.display.send(xproto::KEY_PRESS_EVENT, code, [0, 0]);
+        self.until(what, right);
+        self.display.send(xproto::KEY_RELEASE_EVENT, code, [0, 0]);
     }
 
-    /// Drags with the left button.
-    pub fn drag(&self, from: [i16; 2], to: [i16; 2]) {
-        self.point(from);
-        self.display.send(xproto::BUTTON_PRESS_EVENT, 1, [0, 0]);
-        for step in 1..=4 {
-            let between = |axis: usize| from[axis] + (to[axis] - from[axis]) * step / 4;
-            self.point([between(0), between(1)]);
+    /// Drags with the left button until the window shows something of which `right` is true; if it does not, the camera goes
+    /// home and the person tries again, slower: a window that was busy took the button for another place's.
+    #[track_caller]
+    pub fn drag_until(&mut self, [from, to]: [[i16; 2]; 2], what: &str, right: impl Fn(&Pixels) -> bool) {
+        let begin = Instant::now();
+        let mut wait = 2 * A_MOMENT;
+        let mut seen = false;
+        while !seen {
+            assert!(begin.elapsed() < PATIENCE, "{what}: not seen after {PATIENCE:?}");
+            self.move_to(from, wait);
+            self.display.send(xproto::BUTTON_PRESS_EVENT, 1, [0, 0]);
+            std::thread::sleep(wait);
+            seen = (0i16..8).any(|step| {
+                let share = |axis: usize| from[axis] + (to[axis] - from[axis]) * (step + 1).min(4) / 4;
+                self.move_to([share(0) + step % 2, share(1)], wait);
+                self.look().is_some_and(|pixels| right(&pixels))
+            });
+            self.display.send(xproto::BUTTON_RELEASE_EVENT, 1, [0, 0]);
+            std::thread::sleep(wait);
+            if !seen {
+                self.press(b'h'.into());
+            }
+            wait = (2 * wait).min(Duration::from_secs(5));
         }
-        self.display.send(xproto::BUTTON_RELEASE_EVENT, 1, [0, 0]);
+    }
+
+    fn move_to(&self, place: [i16; 2], wait: Duration) {
+        self.display.send(xproto::MOTION_NOTIFY_EVENT, 0, place);
+        std::thread::sleep(wait);
     }
 
     /// Gives the window another size.
