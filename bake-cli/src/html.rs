@@ -28,12 +28,13 @@ fn page(measured: &Measured, name: &str, plan: &Plan, pages: &[PageBuffers]) -> 
     let name = escape(name);
     format!(
         "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>{name}: bake</title><style>{STYLE}</style>\
-         <h1>{name}</h1><pre>{summary}</pre>{warnings}<h2>Where the seconds went</h2>{stages}<h2>Effects</h2>{effects}\
+         <h1>{name}</h1><pre>{summary}</pre>{warnings}<h2>Where the seconds went</h2>{stages}<h2>Effects</h2>{effects}{explained}\
          <h2>Pages</h2>{pages}</html>\n",
         summary = escape(&measured.table()),
         warnings = warnings(&measured.warnings),
         stages = stages(measured),
         effects = effects(plan),
+        explained = explained(measured),
         pages = thumbnails(measured, pages),
     )
 }
@@ -69,13 +70,20 @@ fn effects(plan: &Plan) -> String {
         .map(|effect| {
             let (class, state) = if effect.on { ("on", "on") } else { ("off", "off") };
             format!(
-                "<tr class=\"{class}\"><td>{}</td><td>{state}</td><td>{}</td></tr>",
+                "<tr class=\"{class}\"><td>{}</td><td>{state}</td><td>{}</td><td>{}</td></tr>",
                 escape(effect.name),
+                escape(&crate::plan_text::bound(effect.bound)),
                 escape(&effect.why)
             )
         })
         .collect();
     format!("<table>{rows}</table>")
+}
+
+/// What was left out, and what the rest cost and changed.
+fn explained(measured: &Measured) -> String {
+    let text = crate::explain_text::text(measured);
+    if text.is_empty() { text } else { format!("<h2>What each effect did</h2><pre>{}</pre>", escape(&text)) }
 }
 
 fn thumbnails(measured: &Measured, pages: &[PageBuffers]) -> String {

@@ -6,6 +6,7 @@
 mod cli;
 mod commands;
 mod exit;
+mod explain_text;
 mod flags;
 mod html;
 mod input;

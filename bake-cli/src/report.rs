@@ -1,8 +1,11 @@
 //! What a bake measured of itself: a table for people, JSON for machines, and the package's `NAME.run.json`.
 
 use crate::units;
+use bake_core::explain::{Change, Explanation};
+use bake_core::plan::Effect;
+use bake_core::solve::buffers::{PageBuffers, Validity};
 use bake_core::solve::points::LatticeReport;
-use bake_core::solve::{Lightmap, PageReport};
+use bake_core::solve::{LUMINANCE, Lightmap, PageReport};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -82,6 +85,34 @@ pub struct Measured {
     pub fog_volume: Option<LatticeReport>,
     /// Warnings.
     pub warnings: Vec<String>,
+    /// What the plan left out, with the bound on what that changes.
+    pub left_out: Vec<Effect>,
+    /// What each effect cost and changed, where that was asked for.
+    pub explained: Option<Explained>,
+}
+
+/// What each effect cost and changed.
+#[derive(Debug, Clone, Serialize)]
+pub struct Explained {
+    /// Seconds by effect; those of tracing are divided by the shares of short bakes.
+    pub seconds: Vec<Stage>,
+    /// Mean and largest share of each term in a texel's light.
+    pub terms: Vec<TermShare>,
+    /// Texels of the short bakes.
+    pub texels: usize,
+    /// What each effect changed.
+    pub changes: Vec<Change>,
+}
+
+/// Share of a term in the light of texels.
+#[derive(Debug, Clone, Serialize)]
+pub struct TermShare {
+    /// The term.
+    pub term: &'static str,
+    /// Of all light together.
+    pub mean: f64,
+    /// In the texel that has most of it.
+    pub max: f64,
 }
 
 /// One page.
@@ -155,6 +186,25 @@ impl Measured {
             probes: None,
             fog_volume: None,
             warnings: Vec::new(),
+            left_out: Vec::new(),
+            explained: None,
+        }
+    }
+
+    /// Divides the seconds of tracing by the shares of an explanation, and adds what the pages tell of the terms.
+    pub fn explain(&self, explanation: Explanation, pages: &[PageBuffers]) -> Explained {
+        let spent = |names: &[&str]| -> f64 {
+            self.stages.iter().filter(|stage| names.contains(&stage.name)).map(|stage| stage.seconds).sum()
+        };
+        let trace = spent(&["trace"]);
+        let traced = explanation.shares.iter().map(|part| (part.what, part.share * trace));
+        let others = ["light in the air", "vacuum", "probes", "fog volume", "post"].map(|name| (name, spent(&[name])));
+        let seconds = traced.chain(others.into_iter().filter(|(_, seconds)| *seconds > 0.0));
+        Explained {
+            seconds: seconds.map(|(name, seconds)| Stage { name, seconds }).collect(),
+            terms: term_shares(pages),
+            texels: explanation.texels,
+            changes: explanation.changes,
         }
     }
 
@@ -199,6 +249,26 @@ impl Measured {
         line("package", self.package.display().to_string());
         text
     }
+}
+
+/// Shares of the terms over all texels that were baked.
+fn term_shares(pages: &[PageBuffers]) -> Vec<TermShare> {
+    let Some(first) = pages.first() else { return Vec::new() };
+    let of = |index: usize| {
+        let (mut sum, mut total, mut max) = (0.0, 0.0, 0.0f64);
+        for page in pages {
+            for texel in (0..page.validity.len()).filter(|&texel| page.validity[texel] == Validity::Good) {
+                let light = [page.terms[index].irradiance[texel], page.total(texel)];
+                let [part, all] = light.map(|light| f64::from(LUMINANCE.dot(light)));
+                sum += part;
+                total += all;
+                max = if all > 0.0 { max.max(part / all) } else { max };
+            }
+        }
+        let mean = if total > 0.0 { sum / total } else { 0.0 };
+        TermShare { term: first.terms[index].term.name(), mean, max }
+    };
+    (0..first.terms.len()).map(of).collect()
 }
 
 /// Largest resident memory of this process so far, bytes; `None` where the system does not say.

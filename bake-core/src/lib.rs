@@ -6,6 +6,7 @@
 
 pub mod air;
 pub mod atlas;
+pub mod explain;
 pub mod fingerprint;
 pub mod job;
 pub mod package;

@@ -26,5 +26,5 @@ pub struct Args {
 /// Bakes by walks.
 pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     let input = args.input.clone().by_walks()?;
-    run::run(&run::Args { input, output: args.output.clone() }, global)
+    run::run(&run::Args { input, output: args.output.clone(), explain: false }, global)
 }

@@ -2,6 +2,7 @@
 
 use crate::cli::Global;
 use crate::exit::{Failure, Outcome};
+use crate::explain_text;
 use crate::flags::RARE;
 use crate::input::{HELP_TEMPLATE, Input};
 use crate::interrupt::Interrupt;
@@ -10,6 +11,7 @@ use crate::output::{Output, Pages};
 use crate::plan_text;
 use crate::progress::Progress;
 use crate::report::{Measured, Stopwatch};
+use bake_core::explain::{self, Explanation};
 use bake_core::plan::Plan;
 use bake_core::post::{self, Hidden};
 use bake_core::progress::{Interrupted, Progress as _};
@@ -37,6 +39,9 @@ pub struct Args {
     /// Folder of the package [default: SCENE-stem.bake beside the scene]
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Also find out by short bakes what each effect changed and what it cost
+    #[arg(long)]
+    pub explain: bool,
 }
 
 /// Bakes.
@@ -48,7 +53,7 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     if global.json {
         println!("{}", serde_json::to_string_pretty(&measured).expect("plain data becomes JSON"));
     } else if !global.quiet {
-        print!("{}", measured.table());
+        print!("{}{}", measured.table(), explain_text::text(&measured));
     }
     Ok(if measured.lightless_texels == 0 { Outcome::Done } else { Outcome::DoneWithGaps })
 }
@@ -66,7 +71,7 @@ fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, F
     let plan = stopwatch.time("plan", || Plan::derive(&tracer, &job.air, &job.settings, &job.atlas, threads))?;
     tell(global, progress, &job, &plan);
 
-    let mut solved = trace(&tracer, &job, &plan, progress, &mut stopwatch)?;
+    let mut solved = trace(&tracer, &job, &plan, args.explain, progress, &mut stopwatch)?;
     let raw = job.settings.keep_raw.then(|| solved.lightmap.pages.clone());
     stopwatch.time("post", || {
         finish_pages(&job, &mut solved.lightmap.pages);
@@ -76,7 +81,7 @@ fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, F
 
     progress.stage("write", 0);
     let target = job.settings.relative_error();
-    let Solved { lightmap, vacuum, probes, fog_volume } = &solved;
+    let Solved { lightmap, vacuum, probes, fog_volume, explanation } = &solved;
     job.warnings.extend(missed_target(&job, lightmap));
     job.warnings.extend([("probes", probes), ("fog cells", fog_volume)].into_iter().filter_map(|(name, light)| {
         missed_points(name, light.as_ref().filter(|_| job.settings.samples.is_none())?, target)
@@ -96,6 +101,8 @@ fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, F
     measured.probes = probes.map(|light| light.report);
     measured.fog_volume = fog_volume.map(|light| light.report);
     measured.warnings = job.warnings;
+    measured.left_out = plan.effects.iter().filter(|effect| effect.is_left_out()).cloned().collect();
+    measured.explained = explanation.clone().map(|explanation| measured.explain(explanation, &lightmap.pages));
     measured.package = package;
     crate::output::write_measured(&measured)?;
     crate::html::write(&measured, &job.scene.name, &plan, &lightmap.pages)?;
@@ -120,12 +127,15 @@ struct Solved {
     vacuum: Option<Vec<PageBuffers>>,
     probes: Option<LatticeLight>,
     fog_volume: Option<LatticeLight>,
+    /// Where it was asked for.
+    explanation: Option<Explanation>,
 }
 
 fn trace(
     tracer: &Tracer,
     job: &Job,
     plan: &Plan,
+    is_explained: bool,
     progress: &Progress,
     stopwatch: &mut Stopwatch,
 ) -> Result<Solved, Failure> {
@@ -151,7 +161,12 @@ fn trace(
     };
     let probes = lattice("probes", plan.lattices.probes)?;
     let fog_volume = lattice("fog volume", plan.lattices.fog_volume)?;
-    Ok(Solved { lightmap, vacuum, probes, fog_volume })
+    if is_explained {
+        progress.stage("explain", 0);
+    }
+    let explain = || explain::explain(tracer, &job.air, &job.atlas, plan, &solver);
+    let explanation = is_explained.then(|| stopwatch.time("explain", explain)).transpose()?;
+    Ok(Solved { lightmap, vacuum, probes, fog_volume, explanation })
 }
 
 impl From<Interrupted> for Failure {
@@ -208,11 +223,12 @@ fn missed_points(name: &str, light: &LatticeLight, target: f32) -> Option<String
     })
 }
 
-/// A warning where light had nothing to absorb it.
+/// A warning where light had nothing to absorb it: a closed room of albedo 1 holds its light for ever.
 fn endless_paths(lightmap: &Lightmap) -> Option<String> {
     (lightmap.cut_paths > 0).then(|| {
         format!(
-            "{} paths were cut at the longest length: surfaces that enclose light absorb next to nothing; lower their base colour",
+            "endless light: {} paths were cut at the longest length, because the surfaces that enclose them absorb next to \
+             nothing; lower their base colour below 1, or cap reflections with `--bounces`",
             lightmap.cut_paths
         )
     })

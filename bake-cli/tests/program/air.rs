@@ -109,3 +109,52 @@ fn smoke_from_a_file_is_planned_and_a_wrong_one_is_told() {
     // Voxels −5…20, −9…15 and −5…15, and one more layer on every side.
     assert!(planned.out.contains("grid of 28 × 27 × 23 points"), "{}", planned.out);
 }
+
+/// Names of the effects that are on.
+fn effects_on(plan: &Value) -> Vec<String> {
+    let effects = plan["effects"].as_array().expect("a list").iter();
+    effects.filter(|e| e["on"] == true).map(|e| e["name"].as_str().expect("text").to_owned()).collect()
+}
+
+#[test]
+fn three_kinds_of_air_make_three_plans() {
+    let desk = Desk::with_room();
+    let vacuum = plan(&desk, "");
+    let grey = plan(&desk, "--fog sigma_t=0.5,albedo=1");
+    desk.write(
+        "room.bake.ron",
+        "Bake(media: [Medium(name: \"smoke\", scatter: Sigma(s: (0.5, 0.4, 0.3), a: (0.1, 0.1, 0.2)), \
+         density: Exponential(base_m: 0, scale_height_m: 1), phase: HenyeyGreenstein(0.5))])",
+    );
+    let smoke = plan(&desk, "");
+    let of_air = ["attenuation", "absorption", "scattering", "multiple", "anisotropy", "heterogeneity", "colour"];
+    let on = |plan: &Value| {
+        let on = effects_on(plan);
+        of_air.into_iter().filter(|name| on.iter().any(|on| on == name)).collect::<Vec<_>>()
+    };
+    assert_eq!(on(&vacuum), [""; 0]);
+    assert_eq!(on(&grey), ["attenuation", "scattering", "multiple"]);
+    assert_eq!(on(&smoke), of_air);
+    assert!(vacuum["mode"].is_null() && !grey["mode"].is_null());
+    for effect in smoke["effects"].as_array().expect("a list") {
+        assert!(effect["bound"].is_null() || effect["bound"].as_f64() >= Some(0.0), "{effect}");
+    }
+}
+
+#[test]
+fn what_lies_below_the_tolerance_is_left_out_and_force_overrules_it() {
+    let desk = Desk::with_room();
+    let thin = "--fog sigma_t=1e-9,albedo=0.9";
+    let ended = desk.bake(&format!("plan room.glb {thin}"));
+    ended.expect(0, &[]);
+    let flat = ended.out.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(flat.contains("effect off attenuation ≤") && flat.contains("below the tolerance of 0.001"), "{flat}");
+    let left = plan(&desk, thin);
+    assert!(left["mode"].is_null() && !effects_on(&left).contains(&"scattering".to_owned()));
+    assert!(effects_on(&plan(&desk, &format!("{thin} --tolerance 0"))).contains(&"scattering".to_owned()));
+    let forced = plan(&desk, &format!("{thin} --force-effect attenuation=on --force-effect scattering=on"));
+    assert!(effects_on(&forced).contains(&"scattering".to_owned()) && !forced["mode"].is_null());
+    let thick = plan(&desk, "--fog sigma_t=1,albedo=0.9 --force-effect scattering=off");
+    assert!(!effects_on(&thick).contains(&"scattering".to_owned()));
+    desk.bake("plan room.glb --force-effect multipel=off").expect(2, &["did you mean `multiple`?"]);
+}

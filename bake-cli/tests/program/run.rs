@@ -271,3 +271,59 @@ fn a_time_budget_ends_the_bake_and_is_told() {
     let error = package.manifest.error_estimate.expect("an estimate").relative_standard_error;
     assert!(error > 0.01, "a fifth of a second was enough for the whole bake: {error}");
 }
+
+/// A closed room of albedo exactly 1 ends at the longest path and says so; one that absorbs says nothing.
+#[test]
+fn endless_light_is_a_warning_with_the_way_out() {
+    let desk = Desk::new();
+    let mut scene: serde_json::Value = serde_json::from_str(&gltf(1.0)).expect("JSON");
+    scene["extensionsUsed"] = serde_json::json!(["KHR_lights_punctual"]);
+    scene["extensions"] =
+        serde_json::json!({ "KHR_lights_punctual": { "lights": [{ "type": "point", "intensity": 10 }] } });
+    let lamp = serde_json::json!({ "translation": [0, 0, 1], "extensions": { "KHR_lights_punctual": { "light": 0 } } });
+    scene["nodes"].as_array_mut().expect("a list").push(lamp);
+    scene["scenes"][0]["nodes"] = serde_json::json!([0, 1, 2]);
+    let warnings = |scene: &serde_json::Value| {
+        desk.write("room.gltf", scene.to_string());
+        let ended = desk.bake("--json run room.gltf --samples 8 --texels-per-m 0.5");
+        ended.expect(0, &[]);
+        let measured: serde_json::Value = serde_json::from_str(&ended.out).expect("JSON");
+        measured["warnings"].to_string()
+    };
+    let told = warnings(&scene);
+    assert!(told.contains("endless light") && told.contains("base colour") && told.contains("--bounces"), "{told}");
+    for material in 0..2 {
+        scene["materials"][material]["pbrMetallicRoughness"] =
+            serde_json::json!({ "baseColorFactor": [0.8, 0.8, 0.8, 1] });
+    }
+    assert!(!warnings(&scene).contains("endless light"));
+}
+
+#[test]
+fn explain_tells_what_each_effect_cost_and_changed() {
+    let desk = Desk::with_room();
+    let fog = "--fog sigma_t=0.3/0.2/0.1,albedo=0.9,g=0.4 --mode walk --force-effect absorption=off";
+    let ended = desk.bake(&format!("run room.glb --samples 8 --texels-per-m 2 {fog} --explain -o out"));
+    ended.expect(0, &[]);
+    for part in
+        ["seconds      surface tracing", "multiple scattering", "changed by   scattering", "left out     absorption"]
+    {
+        assert!(ended.out.contains(part), "`{part}` is not in:\n{}", ended.out);
+    }
+    let text = std::fs::read_to_string(desk.path("out/room.run.json")).expect("written");
+    let measured: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let explained = &measured["explained"];
+    let change = |name: &str| {
+        let changes = explained["changes"].as_array().expect("a list").iter();
+        let change = changes.clone().find(|change| change["effect"] == name).expect(name);
+        ["mean", "max", "bound"].map(|key| change[key].as_f64().expect("a number"))
+    };
+    let [mean, max, bound] = change("scattering");
+    assert!(0.0 < mean && mean < max && mean < bound, "{explained}");
+    assert!(change("scattering")[0] > change("colour")[0], "{explained}");
+    let terms =
+        explained["terms"].as_array().expect("a list").iter().map(|term| term["mean"].as_f64().expect("a number"));
+    assert!((terms.sum::<f64>() - 1.0).abs() < 1e-5, "{explained}");
+    let report = std::fs::read_to_string(desk.path("out/room.report.html")).expect("written");
+    assert!(report.contains("What each effect did") && report.contains("changed by"), "the report holds it too");
+}

@@ -164,7 +164,7 @@ fn choose_mode(scene: &Scene, air: &Air, settings: &Settings, effects: &[Effect]
 }
 
 /// Tells the solver what is off and is no matter of the air.
-fn leave_out(solver: &mut LightmapSettings, effects: &[Effect]) {
+pub(crate) fn leave_out(solver: &mut LightmapSettings, effects: &[Effect]) {
     if !effects::is_on(effects, EffectName::Indirect) {
         solver.bounces = Some(0);
     }

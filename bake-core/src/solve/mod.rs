@@ -207,12 +207,24 @@ impl<'a, 's> Solver<'a, 's> {
     /// # Errors
     /// [`Interrupted`] when the progress asks to stop; nothing is returned then.
     pub fn lightmap(&self, atlas: &Atlas, progress: &dyn Progress) -> Result<Lightmap, Interrupted> {
-        let Self { tracer, settings, .. } = self;
+        self.lightmap_with(atlas, self.settings, progress)
+    }
+
+    /// The same with other samples; what was made ready stays.
+    ///
+    /// # Errors
+    /// As [`Self::lightmap`].
+    pub fn lightmap_with(
+        &self,
+        atlas: &Atlas,
+        settings: &LightmapSettings,
+        progress: &dyn Progress,
+    ) -> Result<Lightmap, Interrupted> {
         #[cfg(feature = "media")]
         if let Some(air) = &self.air {
-            return air.lightmap(tracer, atlas, settings, progress);
+            return air.lightmap(self.tracer, atlas, settings, progress);
         }
-        pages(tracer, &Vacuum, atlas, settings, progress)
+        pages(self.tracer, &Vacuum, atlas, settings, progress)
     }
 
     /// Solves the points of a lattice, to the same error as pages.
