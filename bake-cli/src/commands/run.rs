@@ -25,9 +25,8 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
-Examples:
-  bake run room.glb --quality preview -o out/room
-  bake run room.glb --sky 1000 --sun azimuth_deg=120,elevation_deg=35,lux=80000";
+Example:
+  bake run room.glb --quality preview --sun azimuth_deg=120,elevation_deg=35,lux=80000 --explain -o out/room";
 
 /// Flags of `bake run`.
 #[derive(Debug, clap::Args)]
