@@ -20,7 +20,7 @@ pub struct Effect {
     /// Whether it is simulated.
     pub on: bool,
     /// The most that leaving it out changes: mean over the lightmapped surface, as a share of the median texel irradiance
-    /// (derived in the plan's `bounds`). Zero where the scene has none of it, infinite (`null` in JSON) where no bound is
+    /// (derived in [`super::bounds`]). Zero where the scene has none of it, infinite (`null` in JSON) where no bound is
     /// known.
     pub bound: f64,
     /// The reason.

@@ -1,8 +1,8 @@
 //! What a bake will simulate and why, and what that will take: derived from scene, settings and atlas, and from a pilot
 //! of a few thousand paths for the median irradiance that all bounds are shares of.
 
-mod bounds;
-mod budget;
+pub mod bounds;
+pub mod budget;
 pub mod effects;
 mod lattices;
 mod mode;

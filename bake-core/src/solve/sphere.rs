@@ -76,6 +76,7 @@ impl<M: Media> Paths<'_, '_, M> {
     }
 
     /// One sample of the light straight from emitters, drawn from one kind of them.
+    #[cfg(feature = "media")]
     pub(super) fn emitter_at(&self, point: Vec3, sampler: &mut Sampler, counters: &Counters) -> Incident {
         let [pick, u, v, w] = sampler.next4();
         let (mut incident, count) = (Incident::default(), self.strategies_at_points().count() as f32);
