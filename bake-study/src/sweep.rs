@@ -255,7 +255,8 @@ impl Base {
         let most = self.point.bounces.unwrap_or(u32::MAX);
         let capped = COUNTS.into_iter().filter(|&count| count < most).map(Some);
         let label = |bounces: Option<u32>| match bounces {
-            None => "any number".into(),
+            None => "any number of reflections".into(),
+            Some(1) => "1 reflection".into(),
             Some(count) => format!("{count} reflections"),
         };
         let points = capped.chain([self.point.bounces]);

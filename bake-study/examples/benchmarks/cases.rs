@@ -26,7 +26,7 @@ pub const CASES: [Case; 4] = [
     Case {
         name: "room-1",
         scene: "lit_room",
-        what: "a closed room of 4 × 2.5 × 3 m with a point light, filled with air of optical size 1 (1/m times its 3 m of depth), albedo 1",
+        what: "a closed room of 4 × 2.5 × 3 m with a point light in air of optical size 1 (extinction times its depth of 3 m), albedo 1",
         air: Some([1.0 / 3.0, 1.0, 0.0]),
         page: 32,
         reference: 2048,

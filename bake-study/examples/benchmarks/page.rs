@@ -30,6 +30,10 @@ pub fn markdown(kept: &Path) -> Result<String, Box<dyn Error>> {
             section(&mut text, case, &summary, &origin)?;
         }
     }
+    let missing: Vec<&str> = CASES.iter().map(|case| case.name).filter(|name| !kept.join(name).exists()).collect();
+    if !missing.is_empty() {
+        writeln!(text, "\nNot recorded yet: {}.", missing.join(", "))?;
+    }
     Ok(text)
 }
 
