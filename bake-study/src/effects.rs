@@ -232,7 +232,7 @@ mod tests {
     use super::*;
 
     fn page(level: f32, deviation: f32) -> Page {
-        let noisy = |i: usize| Vec3::splat(level + if i % 2 == 0 { deviation } else { -deviation });
+        let noisy = |i: usize| Vec3::splat(level + if i.is_multiple_of(2) { deviation } else { -deviation });
         let variance = vec![Vec3::splat(deviation * deviation); 100];
         Page { width: 100, height: 1, total: (0..100).map(noisy).collect(), variance, valid: vec![true; 100] }
     }

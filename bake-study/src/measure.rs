@@ -219,19 +219,19 @@ mod tests {
     fn noise_and_floor_are_told_apart() {
         let truth = [page(|_| 10.0, 0.0)];
         // ±4 % of noise that the bake states, and 3 % too bright.
-        let noisy = [page(|i| if i % 2 == 0 { 10.4 } else { 9.6 } + 0.3, 0.4)];
+        let noisy = [page(|i| if i.is_multiple_of(2) { 10.4 } else { 9.6 } + 0.3, 0.4)];
         let errors = Errors::between(&noisy, &truth);
         assert!((errors.bias - 0.03).abs() < 1e-6 && (errors.noise - 0.04).abs() < 1e-6, "{errors:?}");
         assert!((errors.rmse - 0.05).abs() < 1e-6 && (errors.floor - 0.03).abs() < 1e-6, "{errors:?}");
         assert!(errors.is_biased() && errors.floor > errors.least_floor, "{errors:?}");
         // The same noise alone is no bias and has no floor.
-        let honest = Errors::between(&[page(|i| if i % 2 == 0 { 10.4 } else { 9.6 }, 0.4)], &truth);
+        let honest = Errors::between(&[page(|i| if i.is_multiple_of(2) { 10.4 } else { 9.6 }, 0.4)], &truth);
         assert!(!honest.is_biased() && honest.floor < honest.least_floor, "{honest:?}");
     }
 
     #[test]
     fn a_noisy_reference_does_not_make_a_bake_biased() {
-        let truth = [page(|i| if i % 3 == 0 { 11.0 } else { 9.0 } + 1.0 / 3.0 + 0.01, 1.0)];
+        let truth = [page(|i| if i.is_multiple_of(3) { 11.0 } else { 9.0 } + 1.0 / 3.0 + 0.01, 1.0)];
         let errors = Errors::between(&[page(|_| 10.0, 0.0)], &truth);
         assert!(!errors.is_biased() && errors.reference_error > 0.09, "{errors:?}");
     }
