@@ -9,7 +9,7 @@
 use crate::error::StudyError;
 use crate::measure::{Baked, Page};
 use crate::report;
-use crate::study::Study;
+use crate::study::{Study, prepare_with};
 use bake_core::job::Job;
 use bake_core::plan::{Effect, Plan, effects::is_on};
 use bake_core::progress::{Interrupted, Progress};
@@ -97,12 +97,9 @@ impl Verdict {
 /// # Errors
 /// As a study.
 pub fn run(study: &Study, progress: &dyn Progress, tell: &dyn Fn(&str)) -> Result<Vec<Left>, StudyError> {
-    let settings = Settings {
-        samples: Some(study.effort.reference_samples / 4),
-        mode: settings::Mode::Walk,
-        ..study.effort.pages(study.settings.clone())
-    };
-    let job = Job::prepare(&study.file, settings, progress)?;
+    let samples = Some(study.effort.reference_samples / 4);
+    let change = |settings| Settings { samples, mode: settings::Mode::Walk, ..settings };
+    let job = prepare_with(study, &change, progress)?;
     std::fs::create_dir_all(&study.folder).map_err(StudyError::io(&study.folder))?;
     let experiment = Experiment { tracer: Tracer::new(&job.scene), job: &job, study, progress };
     let planned = experiment.plan(&|_| None)?;

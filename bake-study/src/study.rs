@@ -8,6 +8,7 @@ use crate::store::{Row, Store, hash};
 use crate::summary::Summary;
 use crate::sweep::{self, AirChange, Effort, Group, Point};
 use crate::thumbnails;
+use bake_core::atlas::AtlasError;
 use bake_core::fingerprint;
 use bake_core::job::{Job, JobError};
 use bake_core::progress::{Progress, Silent};
@@ -79,8 +80,27 @@ pub fn measured(study: &Study) -> Result<(Vec<Group>, Store), StudyError> {
 }
 
 fn prepare(study: &Study, progress: &dyn Progress) -> Result<Job, StudyError> {
-    let settings = Settings { samples: None, ..study.effort.pages(study.settings.clone()) };
-    Ok(Job::prepare(&study.file, settings, progress)?)
+    prepare_with(study, &|settings| Settings { samples: None, ..settings }, progress)
+}
+
+/// Lays the scene out on pages of the effort, larger ones where its charts do not fit.
+pub(crate) fn prepare_with(
+    study: &Study,
+    change: &dyn Fn(Settings) -> Settings,
+    progress: &dyn Progress,
+) -> Result<Job, StudyError> {
+    let mut effort = study.effort.clone();
+    loop {
+        let settings = change(effort.pages(study.settings.clone()));
+        match (Job::prepare(&study.file, settings, progress), &mut effort.page) {
+            (Err(JobError::Atlas(AtlasError::TooManyCharts { .. })), Some(page))
+                if *page < study.settings.page_size =>
+            {
+                *page *= 2;
+            }
+            (prepared, _) => return Ok(prepared?),
+        }
+    }
 }
 
 /// What all points of a study have in common, hashed.
