@@ -265,6 +265,19 @@ impl LightGrid {
     }
 }
 
+impl<M: Media> Paths<'_, '_, M> {
+    /// One sample of the light straight from emitters, drawn from one kind of them.
+    fn emitter_at(&self, point: Vec3, sampler: &mut Sampler, counters: &Counters) -> Incident {
+        let [pick, u, v, w] = sampler.next4();
+        let (mut incident, count) = (Incident::default(), self.strategies_at_points().count() as f32);
+        let strategy = self.strategies_at_points().nth((pick * count) as usize);
+        if let Some((irradiance, dir, _)) = strategy.and_then(|s| self.draw_at(point, s, [u, v, w], counters)) {
+            incident.add(Term::Direct as usize, dir, irradiance * count);
+        }
+        incident
+    }
+}
+
 /// Air whose light the grid knows.
 pub struct Lit<'a, 's> {
     /// The air.

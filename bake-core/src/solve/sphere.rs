@@ -29,7 +29,7 @@ pub struct Incident {
 
 impl Incident {
     /// Adds radiance from `dir` to a term.
-    fn add(&mut self, term: usize, dir: Vec3, radiance: Vec3) {
+    pub(super) fn add(&mut self, term: usize, dir: Vec3, radiance: Vec3) {
         if radiance != Vec3::ZERO {
             self.terms[term].iter_mut().zip(harmonics(dir)).for_each(|(sum, y)| *sum += radiance * y);
         }
@@ -75,19 +75,8 @@ impl<M: Media> Paths<'_, '_, M> {
         incident
     }
 
-    /// One sample of the light straight from emitters, drawn from one kind of them.
-    #[cfg(feature = "media")]
-    pub(super) fn emitter_at(&self, point: Vec3, sampler: &mut Sampler, counters: &Counters) -> Incident {
-        let [pick, u, v, w] = sampler.next4();
-        let (mut incident, count) = (Incident::default(), self.strategies_at_points().count() as f32);
-        let strategy = self.strategies_at_points().nth((pick * count) as usize);
-        if let Some((irradiance, dir, _)) = strategy.and_then(|s| self.draw_at(point, s, [u, v, w], counters)) {
-            incident.add(Term::Direct as usize, dir, irradiance * count);
-        }
-        incident
-    }
-
-    fn strategies_at_points(&self) -> impl Iterator<Item = Strategy> {
+    /// The kinds of draw that reach every emitter from a point in the air.
+    pub(super) fn strategies_at_points(&self) -> impl Iterator<Item = Strategy> {
         let lamps = self.emitters.has_lamps().then_some(Strategy::Lamp);
         self.emitters.strategies_in_air().iter().copied().chain(lamps)
     }
