@@ -60,7 +60,7 @@ fn the_report_stands_alone_and_raw_pages_are_kept_when_asked() {
     let desk = Desk::with_room();
     desk.bake(&format!("run room.glb {SMALL} -q -o out --keep-raw")).expect(0, &[]);
     let report = std::fs::read_to_string(desk.path("out/room.report.html")).expect("written");
-    for part in ["data:image/png;base64,iVBOR", "Where the seconds went", "trace", "reflected light"] {
+    for part in ["data:image/png;base64,iVBOR", "Where the seconds went", "trace", "indirect"] {
         assert!(report.contains(part), "no {part}");
     }
     assert!(!report.contains("http"), "the report must not need a network");
