@@ -66,6 +66,8 @@ pub enum Command {
     Run(Box<commands::run::Args>),
     /// Bake a scene by volumetric path tracing alone: the unbiased truth
     Reference(Box<commands::reference::Args>),
+    /// Other air for a bake made with --keep-paths, without tracing it again
+    Refog(Box<commands::refog::Args>),
     /// Say what would be baked, and its sizes, memory and time; trace nothing
     Plan(Box<commands::plan::Args>),
     /// Write a commented settings file for a scene

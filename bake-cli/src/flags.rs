@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// The flags that the help leaves out to fit a screen; the file that `bake init` writes explains them.
 pub const RARE: &str = "\
 More: --scene, --padding, --nodes, --bake-instanced, --light-scale, --light-radius-m, --unlit, --probes, --fog-volume,
---keep-vacuum, --tolerance, --force-effect, --half, --keep-raw. `bake init SCENE` writes a file that explains them all.";
+--keep-vacuum, --tolerance, --force-effect, --half, --keep-paths, --keep-raw. `bake init SCENE` explains them all.";
 
 /// The flags.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -110,6 +110,9 @@ pub struct SettingsFlags {
     /// 16-bit floats
     #[arg(hide = true, long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true", require_equals = true, hide_possible_values = true)]
     half: Option<bool>,
+    /// Also the paths, so that `bake refog` can give the bake other air; solves by tables
+    #[arg(hide = true, long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true", require_equals = true, hide_possible_values = true)]
+    keep_paths: Option<bool>,
     /// Also the pages before seams were stitched and gaps filled
     #[arg(hide = true, long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true", require_equals = true, hide_possible_values = true)]
     keep_raw: Option<bool>,
@@ -152,6 +155,7 @@ impl SettingsFlags {
         set(&mut settings.keep_vacuum, flags.keep_vacuum);
         set(&mut settings.sh1, flags.sh1);
         set(&mut settings.half, flags.half);
+        set(&mut settings.keep_paths, flags.keep_paths);
         set(&mut settings.keep_raw, flags.keep_raw);
         settings.nodes.extend(flags.nodes);
     }
@@ -196,7 +200,7 @@ mod tests {
     }
 
     /// Every key with a flag value that is not its default.
-    const NOT_DEFAULT: [(&str, &str); 31] = [
+    const NOT_DEFAULT: [(&str, &str); 32] = [
         ("quality", "--quality final"),
         ("target_error", "--target-error 1.5%"),
         ("samples", "--samples 64"),
@@ -226,6 +230,7 @@ mod tests {
         ("keep_vacuum", "--keep-vacuum"),
         ("sh1", "--sh1"),
         ("half", "--half"),
+        ("keep_paths", "--keep-paths"),
         ("keep_raw", "--keep-raw"),
         ("nodes", "--nodes Statue:texels_per_m=64"),
     ];

@@ -4,16 +4,18 @@ use crate::exit::Failure;
 use crate::job::Job;
 use crate::report::Measured;
 use bake_core::fingerprint;
-use bake_core::package::{self, Bake, Record};
+use bake_core::package::{self as core_package, Bake, Record};
 use bake_core::plan::Plan;
 use bake_core::solve::buffers::PageBuffers;
 use bake_core::solve::points::LatticeLight;
 use bake_formats::FormatError;
 use bake_formats::float_image::PixelFormat;
 use bake_formats::manifest::Source;
-use bake_formats::package::{PackageWriter, write_atomic};
-use std::io::Write;
+use bake_formats::package::{self, PackageWriter, write_atomic};
+use bake_formats::path_file::{PathHeader, PathWriter};
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// A folder that will take a package.
 pub struct Output {
@@ -60,12 +62,29 @@ impl Output {
         Ok(Self { folder: folder.to_owned(), made })
     }
 
+    /// A file of paths that will become part of the package, and vanishes where none is written.
+    pub fn begin_paths(&self, header: &PathHeader) -> Result<PathWriter<BufWriter<NamedTempFile>>, FormatError> {
+        PathWriter::new(&self.folder, BufWriter::new(package::scratch(&self.folder)?), header)
+    }
+
+    /// The failure of writing to the folder.
+    pub fn unwritable(&self, error: std::io::Error) -> Failure {
+        Failure::unwritable(&self.folder, error)
+    }
+
     /// Writes everything and publishes it; returns the manifest's path.
-    pub fn write(mut self, scene_file: &Path, job: &Job, plan: &Plan, pages: Pages) -> Result<PathBuf, Failure> {
+    pub fn write(
+        mut self,
+        scene_file: &Path,
+        job: &Job,
+        plan: &Plan,
+        pages: Pages,
+        paths: Option<NamedTempFile>,
+    ) -> Result<PathBuf, Failure> {
         let Pages { finished, raw, vacuum, probes, fog_volume } = pages;
         let (scene, air, atlas) = (&job.scene, &job.air, &job.atlas);
         let bake = Bake { scene, air, atlas, pages: finished, raw, vacuum, probes, fog_volume };
-        let path = package::write(&self.folder, bake, &record(scene_file, job, plan)?)?;
+        let path = core_package::write_with(&self.folder, bake, &record(scene_file, job, plan)?, paths)?;
         self.made.0.clear();
         Ok(path)
     }

@@ -63,6 +63,9 @@ pub fn text(name: &str, plan: &Plan) -> String {
             format!("{least} to {most}, usually about {usual}, on {} threads, roughly", cost.threads)
         },
     );
+    if let Some([least, usual, most]) = plan.paths_bytes.map(|bytes| bytes.map(units::bytes)) {
+        line("paths", format!("{least} to {most}, usually about {usual}, kept for `bake refog`"));
+    }
     line("memory", format!("{}, roughly", units::bytes(cost.memory_bytes)));
     text
 }

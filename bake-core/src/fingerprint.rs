@@ -32,6 +32,24 @@ pub fn settings(settings: &Settings) -> io::Result<Value> {
     Ok(serde_json::from_str(&text).expect("what was written is JSON"))
 }
 
+/// Finds the files of settings that come from a package in `folder`, by name and content.
+///
+/// # Errors
+/// The name of a file that is not there, or has changed.
+pub fn find_files(settings: &mut Settings, folder: &Path) -> Result<(), String> {
+    for file in settings.files_mut() {
+        let told = file.to_string_lossy().into_owned();
+        let (name, hash) = told.rsplit_once('#').unwrap_or((&told, ""));
+        let place = folder.join(name);
+        let found = std::fs::read(&place).is_ok_and(|bytes| blake3::hash(&bytes).to_hex().as_str() == hash);
+        if !found {
+            return Err(name.to_owned());
+        }
+        *file = place;
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -49,6 +67,12 @@ mod tests {
         assert_eq!(record(a.path(), "one"), record(b.path(), "one"));
         assert_ne!(record(a.path(), "one"), record(b.path(), "two"));
         assert_eq!(record(a.path(), "one")["env"]["rotation_deg"].to_string(), "0.1");
+
+        let again: Settings = serde_json::from_value(record(a.path(), "one")).expect("settings");
+        let find = |folder: &Path| find_files(&mut again.clone(), folder);
+        assert_eq!(find(a.path()), Ok(()));
+        assert_eq!(find(b.path()), Err("sky.hdr".to_owned()), "another content");
+        assert_eq!(find(&a.path().join("none")), Err("sky.hdr".to_owned()));
     }
 
     #[test]

@@ -10,6 +10,7 @@ pub mod manifest;
 pub mod medium;
 pub mod metrics;
 pub mod package;
+pub mod path_file;
 pub mod sample;
 pub mod table_file;
 pub mod term;

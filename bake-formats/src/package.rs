@@ -28,19 +28,28 @@ pub fn write_atomic(path: &Path, write: impl FnOnce(&mut BufWriter<&mut File>) -
     publish(staged, path)
 }
 
+/// A temporary file in the folder of a package, for [`PackageWriter::add_file`]; it vanishes when dropped.
+///
+/// # Errors
+/// The folder cannot be written to.
+pub fn scratch(folder: &Path) -> Result<NamedTempFile> {
+    let file = tempfile::Builder::new()
+        .prefix(TEMPORARY.0)
+        .suffix(TEMPORARY.1)
+        .tempfile_in(folder)
+        .map_err(FormatError::io("create a temporary file in", folder))?;
+    // Tells living writers from killed ones; where locks are unknown, leftovers stay.
+    let _ = file.as_file().try_lock();
+    Ok(file)
+}
+
 /// A temporary file beside `path`, written and flushed to the disk.
 fn stage(
     folder: &Path,
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<()>,
 ) -> Result<NamedTempFile> {
-    let mut file = tempfile::Builder::new()
-        .prefix(TEMPORARY.0)
-        .suffix(TEMPORARY.1)
-        .tempfile_in(folder)
-        .map_err(FormatError::io("create a temporary file beside", path))?;
-    // Tells living writers from killed ones; where locks are unknown, leftovers stay.
-    let _ = file.as_file().try_lock();
+    let mut file = scratch(folder)?;
     let mut out = BufWriter::new(file.as_file_mut());
     write(&mut out)?;
     out.flush().map_err(FormatError::io("write", path))?;
@@ -99,6 +108,16 @@ impl PackageWriter {
         let file = self.file_name(suffix);
         let path = self.folder.join(&file);
         let staged = stage(&self.folder, &path, |out| out.write_all(bytes).map_err(FormatError::io("write", &path)))?;
+        self.push(staged, file, None)
+    }
+
+    /// Adds a file of [`scratch`] as `NAME.suffix`; returns its full name.
+    ///
+    /// # Errors
+    /// It cannot be brought to the disk.
+    pub fn add_file(&mut self, suffix: &str, staged: NamedTempFile) -> Result<String> {
+        let file = self.file_name(suffix);
+        staged.as_file().sync_all().map_err(FormatError::io("write", &self.folder.join(&file)))?;
         self.push(staged, file, None)
     }
 

@@ -3,10 +3,10 @@
 use crate::exit::Failure;
 
 /// Commands of later versions.
-pub const COMMANDS: &[&str] = &["refog", "merge", "status", "explain", "report"];
+pub const COMMANDS: &[&str] = &["merge", "status", "explain", "report"];
 
 /// Flags of later versions.
-pub const FLAGS: &[&str] = &["--keep-paths", "--shard", "--resume", "--watch"];
+pub const FLAGS: &[&str] = &["--shard", "--resume", "--watch"];
 
 /// Refuses something that a later version will do.
 pub fn refuse(what: &str) -> Failure {

@@ -7,6 +7,7 @@ pub mod init;
 pub mod later;
 pub mod plan;
 pub mod reference;
+pub mod refog;
 pub mod run;
 pub mod sample;
 pub mod study;
@@ -26,6 +27,7 @@ pub fn dispatch(cli: &Cli) -> Result<Outcome, Failure> {
     match &cli.command {
         Command::Run(args) => run::run(args, &cli.global),
         Command::Reference(args) => reference::run(args, &cli.global),
+        Command::Refog(args) => refog::run(args, &cli.global),
         Command::Plan(args) => plan::run(args, &cli.global),
         Command::Init(args) => init::run(args, &cli.global),
         Command::Tables(args) => tables::run(args, &cli.global),

@@ -16,13 +16,15 @@ use bake_core::plan::Plan;
 use bake_core::post::{self, Hidden};
 use bake_core::progress::{Interrupted, Progress as _};
 use bake_core::solve::buffers::PageBuffers;
+use bake_core::solve::kept::{self, KeptError};
 use bake_core::solve::lattice::Lattice;
 use bake_core::solve::points::{LatticeLight, LatticeReport};
 use bake_core::solve::{self, Lightmap, LightmapSettings, Solver};
 use bake_core::trace::Tracer;
 use bake_optics::medium::MediumSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use tempfile::NamedTempFile;
 
 const EXAMPLES: &str = "\
 Example:
@@ -48,18 +50,22 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     let progress = Progress::new(global, Interrupt::listen());
     let result = bake(args, global, &progress);
     progress.finish();
-    let measured = result?;
+    Ok(report(&result?, global))
+}
+
+/// Prints what was measured.
+pub fn report(measured: &Measured, global: &Global) -> Outcome {
     if global.json {
-        println!("{}", serde_json::to_string_pretty(&measured).expect("plain data becomes JSON"));
+        println!("{}", serde_json::to_string_pretty(measured).expect("plain data becomes JSON"));
     } else if !global.quiet {
         print!("{}{}", measured.table(), explain_text::text(&measured));
     }
-    Ok(if measured.lightless_texels == 0 { Outcome::Done } else { Outcome::DoneWithGaps })
+    if measured.lightless_texels == 0 { Outcome::Done } else { Outcome::DoneWithGaps }
 }
 
 fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, Failure> {
     let mut stopwatch = Stopwatch::default();
-    let mut job = job::prepare(&args.input, progress, &mut stopwatch)?;
+    let job = job::prepare(&args.input, progress, &mut stopwatch)?;
     // An output that cannot be written is told before hours of tracing, not after.
     let folder = args.output.clone().unwrap_or_else(|| args.input.file.with_extension("bake"));
     let output = Output::open(&folder, &job.scene.name)?;
@@ -70,7 +76,19 @@ fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, F
     let plan = stopwatch.time("plan", || Plan::derive(&tracer, &job.air, &job.settings, &job.atlas, threads))?;
     tell(global, progress, &job, &plan);
 
-    let mut solved = trace(&tracer, &job, &plan, args.explain, progress, &mut stopwatch)?;
+    let solved = trace(&tracer, &job, &plan, (&output, args.explain), progress, &mut stopwatch)?;
+    publish(job, &plan, solved, output, &args.input.file, (progress, stopwatch))
+}
+
+/// Finishes what was solved and writes the package.
+pub fn publish(
+    mut job: Job,
+    plan: &Plan,
+    mut solved: Solved,
+    output: Output,
+    scene_file: &Path,
+    (progress, mut stopwatch): (&Progress, Stopwatch),
+) -> Result<Measured, Failure> {
     let raw = job.settings.keep_raw.then(|| solved.lightmap.pages.clone());
     stopwatch.time("post", || {
         finish_pages(&job, &mut solved.lightmap.pages);
@@ -80,20 +98,20 @@ fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, F
 
     progress.stage("write", 0);
     let target = job.settings.relative_error();
-    let Solved { lightmap, vacuum, probes, fog_volume, explanation } = &solved;
-    job.warnings.extend(missed_target(&job, lightmap));
-    job.warnings.extend([("probes", probes), ("fog cells", fog_volume)].into_iter().filter_map(|(name, light)| {
+    let Solved { lightmap, vacuum, probes, fog_volume, paths, explanation } = solved;
+    job.warnings.extend(missed_target(&job, &lightmap));
+    job.warnings.extend([("probes", &probes), ("fog cells", &fog_volume)].into_iter().filter_map(|(name, light)| {
         missed_points(name, light.as_ref().filter(|_| job.settings.samples.is_none())?, target)
     }));
-    job.warnings.extend(endless_paths(lightmap));
+    job.warnings.extend(endless_paths(&lightmap));
     let hidden = post::hidden(&job.atlas, &lightmap.pages);
     job.warnings.extend(lightless(&job, &hidden));
     // Without air the bake is its own vacuum.
     let vacuum = job.settings.keep_vacuum.then(|| vacuum.as_deref().unwrap_or(&lightmap.pages));
     let (probes, fog_volume) = (probes.as_ref(), fog_volume.as_ref());
     let pages = Pages { finished: &lightmap.pages, raw: raw.as_deref(), vacuum, probes, fog_volume };
-    let package = stopwatch.time("write", || output.write(&args.input.file, &job, &plan, pages))?;
-    let mut measured = Measured::new(stopwatch, lightmap, target);
+    let package = stopwatch.time("write", || output.write(scene_file, &job, plan, pages, paths))?;
+    let mut measured = Measured::new(stopwatch, &lightmap, target);
     measured.unbaked_texels = hidden.texels;
     measured.lightless_texels = hidden.lightless_texels;
     measured.filled_texels -= hidden.texels;
@@ -104,12 +122,12 @@ fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, F
     measured.explained = explanation.clone().map(|explanation| measured.explain(explanation, &lightmap.pages));
     measured.package = package;
     crate::output::write_measured(&measured)?;
-    crate::html::write(&measured, &job.scene.name, &plan, &lightmap.pages)?;
+    crate::html::write(&measured, &job.scene.name, plan, &lightmap.pages)?;
     Ok(measured)
 }
 
 /// Says what is going to happen: warnings, and the plan when asked to say more.
-fn tell(global: &Global, progress: &Progress, job: &Job, plan: &Plan) {
+pub fn tell(global: &Global, progress: &Progress, job: &Job, plan: &Plan) {
     if global.verbose {
         progress.line(plan_text::text(&job.scene.name, plan).trim_end());
     }
@@ -119,29 +137,40 @@ fn tell(global: &Global, progress: &Progress, job: &Job, plan: &Plan) {
 }
 
 /// All light of a bake.
-struct Solved {
+pub struct Solved {
     /// The counts of rays are those of everything.
-    lightmap: Lightmap,
+    pub lightmap: Lightmap,
     /// Pages of the scene without its air, where that is asked for and another bake.
-    vacuum: Option<Vec<PageBuffers>>,
-    probes: Option<LatticeLight>,
-    fog_volume: Option<LatticeLight>,
-    /// Where it was asked for.
-    explanation: Option<Explanation>,
+    pub vacuum: Option<Vec<PageBuffers>>,
+    /// Light at probes.
+    pub probes: Option<LatticeLight>,
+    /// Light at the cells of the fog volume.
+    pub fog_volume: Option<LatticeLight>,
+    /// The file of kept paths.
+    pub paths: Option<NamedTempFile>,
+    /// What each effect took and changed, where it was asked for.
+    pub explanation: Option<Explanation>,
 }
 
 fn trace(
     tracer: &Tracer,
     job: &Job,
     plan: &Plan,
-    is_explained: bool,
+    (output, is_explained): (&Output, bool),
     progress: &Progress,
     stopwatch: &mut Stopwatch,
 ) -> Result<Solved, Failure> {
     let deadline = job.settings.time_budget.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
     let (media, settings) = (&plan.simulated.media, &LightmapSettings { deadline, ..plan.solver.clone() });
     let solver = stopwatch.time("light in the air", || Solver::prepare(tracer, media, settings, progress))?;
-    let mut lightmap = stopwatch.time("trace", || solver.lightmap(&job.atlas, progress))?;
+    let (mut lightmap, paths) = stopwatch.time("trace", || {
+        if !job.settings.keep_paths {
+            return Ok((solver.lightmap(&job.atlas, progress)?, None));
+        }
+        let begin = |header: &_| output.begin_paths(header);
+        let kept = kept::keep(tracer, media, &job.atlas, settings, progress, begin)?;
+        Ok::<_, Failure>((kept.0, Some(kept.1.into_inner().map_err(|error| output.unwritable(error.into_error()))?)))
+    })?;
     let mut vacuum = None;
     if job.settings.keep_vacuum && !plan.simulated.is_empty() {
         let none = MediumSet::default();
@@ -165,7 +194,16 @@ fn trace(
     }
     let explain = || explain::explain(tracer, &job.air, &job.atlas, plan, &solver);
     let explanation = is_explained.then(|| stopwatch.time("explain", explain)).transpose()?;
-    Ok(Solved { lightmap, vacuum, probes, fog_volume, explanation })
+    Ok(Solved { lightmap, vacuum, probes, fog_volume, paths, explanation })
+}
+
+impl From<KeptError> for Failure {
+    fn from(error: KeptError) -> Self {
+        match error {
+            KeptError::Interrupted => Self::Interrupted,
+            KeptError::File(error) => error.into(),
+        }
+    }
 }
 
 impl From<Interrupted> for Failure {

@@ -5,6 +5,7 @@ mod bake;
 mod killed;
 #[cfg(all(feature = "view", target_os = "linux"))]
 mod person;
+mod refog;
 mod run;
 mod settings;
 mod study;

@@ -67,7 +67,7 @@ fn wrong_values_are_refused_with_what_is_allowed() {
 fn what_a_later_version_will_do_is_refused_by_name() {
     let desk = Desk::with_room();
     for (arguments, name) in
-        [("merge a b", "`merge`"), ("refog x", "`refog`"), ("run room.glb --shard 1/2", "`--shard`")]
+        [("merge a b", "`merge`"), ("status x", "`status`"), ("run room.glb --shard 1/2", "`--shard`")]
     {
         desk.bake(arguments).expect(2, &[name, "not in this version"]);
     }

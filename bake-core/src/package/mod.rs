@@ -12,6 +12,7 @@ use crate::air::Air;
 use crate::atlas::Atlas;
 use crate::scene::Scene;
 use crate::solve::buffers::{PageBuffers, Validity};
+use crate::solve::kept_size::FILE_SUFFIX;
 use crate::solve::lattice::Lattice;
 use crate::solve::points::LatticeLight;
 use bake_formats::error::Result;
@@ -22,6 +23,7 @@ use bake_formats::{PackageWriter, Term};
 use glam::Vec3;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// What was baked.
 #[derive(Debug, Clone, Copy)]
@@ -64,6 +66,11 @@ pub struct Record {
 /// Writes the package into `folder`; returns the manifest's path. Files appear under their names only when all could
 /// be written. Panics unless `bake.pages` fits the atlas.
 pub fn write(folder: &Path, bake: Bake, record: &Record) -> Result<PathBuf> {
+    write_with(folder, bake, record, None)
+}
+
+/// The same with a file of kept paths, which lies in `folder` already.
+pub fn write_with(folder: &Path, bake: Bake, record: &Record, paths: Option<NamedTempFile>) -> Result<PathBuf> {
     assert_eq!(bake.pages.len(), bake.atlas.pages.len(), "one set of buffers a page");
     let mut writer = PackageWriter::create(folder, &bake.scene.name)?;
     let mut manifest = Manifest::new(&bake.scene.name, record.source.clone(), Settings::new(record.settings.clone()));
@@ -76,6 +83,7 @@ pub fn write(folder: &Path, bake: Bake, record: &Record) -> Result<PathBuf> {
     };
     manifest.probes = lattice("probes", bake.probes, 9).transpose()?;
     manifest.fog_volume = lattice("fog", bake.fog_volume, 4).transpose()?;
+    paths.map(|paths| writer.add_file(FILE_SUFFIX, paths)).transpose()?;
     let (baked, instances) = baked::scene(bake, &manifest.pages, lights::records(&bake.scene.lights));
     let path = folder.join(writer.file_name("baked.glb"));
     writer.add_bytes("baked.glb", &baked.to_bytes(&path)?)?;

@@ -16,7 +16,7 @@ use crate::air::{self, Air};
 use crate::atlas::Atlas;
 use crate::scene::Scene;
 use crate::settings::{EffectName, Settings, SettingsError};
-use crate::solve::{LightmapSettings, Mode, pilot};
+use crate::solve::{LightmapSettings, Mode, kept_size, pilot};
 use crate::trace::Tracer;
 use budget::Budget;
 use glam::Vec3;
@@ -39,6 +39,8 @@ pub struct Plan {
     pub lattices: Lattices,
     /// What it will take.
     pub cost: Cost,
+    /// Bytes of kept paths for the least, usual and most samples, where they are kept.
+    pub paths_bytes: Option<[u64; 3]>,
     /// The air that is simulated: less what is left out.
     #[serde(skip)]
     pub simulated: Air,
@@ -122,6 +124,9 @@ impl Plan {
             let allowed = "none in this program: it was built without the feature `media`".into();
             return Err(SettingsError::OutOfRange { key: "media".into(), value: air.names.join(", "), allowed });
         }
+        // What is too little to matter in this air may matter in the next.
+        let everything = Settings { tolerance: 0.0, ..settings.clone() };
+        let settings = if settings.keep_paths { &everything } else { settings };
         let lattices = Lattices::lay_out(scene, air, settings)?;
         let texels = atlas.pages.iter().map(|page| page.texels.len()).sum();
         let size = AtlasSize {
@@ -131,6 +136,8 @@ impl Plan {
         };
         let mut cost = cost(scene, settings, atlas, texels + lattices.points() as usize, threads);
         cost.memory_bytes += lattices.points() * LATTICE_POINT;
+        let paths_bytes = paths_bytes(settings, &cost, texels)?;
+        cost.memory_bytes += paths_bytes.map_or(0, |[_, usual, _]| usual.min(kept_size::MEMORY_BYTES));
         let mut solver = settings.lightmap_settings();
         let budget = Budget::new(scene, air, pilot::median(tracer, &air.media, atlas, &solver));
         let mut effects = effects::derive(scene, air, settings, &budget);
@@ -147,16 +154,32 @@ impl Plan {
             solver,
             scene: scene_size(scene, atlas),
             cost,
+            paths_bytes,
             lattices,
             atlas: size,
         })
     }
 }
 
+/// Bytes of kept paths for the least, usual and most samples, where they are kept.
+fn paths_bytes(settings: &Settings, cost: &Cost, texels: usize) -> Result<Option<[u64; 3]>, SettingsError> {
+    let bytes = cost.samples.map(|count| kept_size::bytes(u64::from(count), texels));
+    if settings.keep_paths && bytes[1] > kept_size::MOST_BYTES {
+        let way_out = "lower `texels_per_m`, `samples` or the quality";
+        return Err(SettingsError::TooLarge {
+            key: "keep_paths",
+            bytes: bytes[1],
+            most: kept_size::MOST_BYTES,
+            way_out,
+        });
+    }
+    Ok(settings.keep_paths.then_some(bytes))
+}
+
 /// The solver for the air that is left.
 fn choose_mode(scene: &Scene, air: &Air, settings: &Settings, effects: &[Effect]) -> Option<Choice> {
     let choice = (!air.is_empty()).then(|| Choice::derive(scene, air, settings))?;
-    if choice.mode == Mode::Tables && !effects::is_on(effects, EffectName::Multiple) {
+    if choice.mode == Mode::Tables && !settings.keep_paths && !effects::is_on(effects, EffectName::Multiple) {
         let why = "tables hold all orders of scattering together, and `multiple` is off".into();
         return Some(Choice { mode: Mode::Grid, why });
     }

@@ -26,6 +26,7 @@ impl Choice {
     pub fn derive(scene: &Scene, air: &Air, settings: &Settings) -> Self {
         let because = |mode, why: String| Self { mode, why };
         match settings.mode {
+            _ if settings.keep_paths => because(Mode::Tables, "paths are kept, which tables alone can do".into()),
             _ if !air.scatters() => {
                 because(Mode::Walk, "nothing scatters: transmittance alone, no volume is solved".into())
             }

@@ -1,6 +1,6 @@
 //! Whether values make sense: each is named with its allowed range where it does not.
 
-use super::{Bounds, Density, FogVolume, Medium, Phase, Probes, Scatter, Settings, SettingsError, Unlit};
+use super::{Bounds, Density, FogVolume, Medium, Mode, Phase, Probes, Scatter, Settings, SettingsError, Unlit};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
@@ -21,6 +21,7 @@ impl Settings {
         if let Some(FogVolume { spacing_m }) = self.fog_volume {
             optional("fog_volume.spacing_m", spacing_m, 0.01..=1e4)?;
         }
+        self.check_paths()?;
         for (name, node) in &self.nodes {
             if let Some(density) = node.texels_per_m {
                 range(&format!("nodes.{name}.texels_per_m"), density, 1e-3..=1e5)?;
@@ -35,6 +36,20 @@ impl Settings {
         optional("bounces", self.bounces, 0..=1 << 16)?;
         range("tolerance", self.tolerance, 0.0..=1.0)?;
         optional("time_budget", self.time_budget, 0.1..=1e7)
+    }
+
+    /// Paths that know nothing of the air are those of tables alone, and these gather no harmonics.
+    fn check_paths(&self) -> Check {
+        match self.mode {
+            _ if !self.keep_paths => Ok(()),
+            _ if self.sh1 => {
+                Err(refusal("sh1", "set beside `keep_paths`", "one of the two: tables hold no directions"))
+            }
+            Mode::Auto | Mode::Tables => Ok(()),
+            mode => {
+                Err(refusal("mode", format!("{mode:?} beside `keep_paths`"), "Tables or Auto where paths are kept"))
+            }
+        }
     }
 
     fn check_atlas(&self) -> Check {
@@ -227,6 +242,8 @@ mod tests {
             ("Bake(sky: (1, 1, 1), env: Env(file: \"a.hdr\"))", "one of the two"),
             ("Bake(sun: Sun(azimuth_deg: 0, elevation_deg: 91, lux: 1))", "`sun.elevation_deg` is 91"),
             ("Bake(unlit: Emit(-1))", "`unlit` is -1"),
+            ("Bake(keep_paths: true, mode: Walk)", "Tables or Auto"),
+            ("Bake(keep_paths: true, sh1: true)", "one of the two"),
             ("Bake(probes: Probes(spacing_m: 0))", "`probes.spacing_m` is 0"),
             ("Bake(probes: Probes(spacing_m: 1, origin: (0, 0, 0)))", "`probes.count` is absent"),
             ("Bake(probes: Probes(spacing_m: 1, bounds: Unbounded))", "Scene, or Box"),

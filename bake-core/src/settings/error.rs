@@ -29,6 +29,18 @@ pub enum SettingsError {
         /// What is allowed.
         allowed: String,
     },
+    /// What a setting asks for would not fit.
+    #[error("setting `{key}` would write about {} GB; at most {} GB are written: {way_out}", bytes / 1_000_000_000, most / 1_000_000_000)]
+    TooLarge {
+        /// The setting.
+        key: &'static str,
+        /// About what it takes.
+        bytes: u64,
+        /// What is allowed.
+        most: u64,
+        /// The next step.
+        way_out: &'static str,
+    },
     /// `extras.bake_media` of the scene file is no list of media.
     #[error(
         "the scene's extras: `bake_media{at}` is no medium as a settings file has it: {source}; correct it or state `media` in the settings"

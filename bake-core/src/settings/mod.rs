@@ -92,6 +92,8 @@ pub struct Settings {
     pub sh1: bool,
     /// Write 16-bit floats.
     pub half: bool,
+    /// Also keep the paths, so that other air can be given to the bake; solves by tables.
+    pub keep_paths: bool,
     /// Also write what the solver returned before seams were stitched and gaps filled.
     pub keep_raw: bool,
 
@@ -131,6 +133,7 @@ impl Default for Settings {
             keep_vacuum: false,
             sh1: false,
             half: false,
+            keep_paths: false,
             keep_raw: false,
             nodes: BTreeMap::new(),
         }

@@ -4,7 +4,7 @@ use super::{LightUnits, Quality, Settings, SettingsError, Unlit};
 use crate::atlas::AtlasSettings;
 use crate::scene::{self, LoadOptions, Scene, SceneChoice, UnlitMode};
 use crate::solve::grid::GridSettings;
-use crate::solve::{LightmapSettings, Mode};
+use crate::solve::{Effort, LightmapSettings, Mode};
 use glam::Vec3;
 
 impl Settings {
@@ -100,6 +100,7 @@ impl Settings {
             multiple: true,
             mode: Mode::Walk,
             grid: self.quality.grid(),
+            tables: Effort::default(),
         }
     }
 }

@@ -47,6 +47,7 @@ Bake(
     // Output
     sh1: false,             // also spherical harmonics (l ≤ 1) for normal maps
     half: false,            // 16-bit floats
+    keep_paths: false,      // also the paths, for other air by `bake refog`; solves by tables
     keep_raw: false,        // also the pages before seams were stitched and gaps filled
 
     // Single nodes, by name or path

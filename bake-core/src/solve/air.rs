@@ -17,6 +17,8 @@ use std::f32::consts::PI;
 
 /// Stretch over which lamps are compared where the air has no end, metres.
 const LONGEST_STRETCH: f32 = 1e6;
+/// Largest angle from the foot of a lamp on a leg without end, radians: keeps tangents finite.
+const WIDEST: f32 = 1.570_7;
 
 /// Where a path stands before a leg.
 pub(super) struct Step {
@@ -210,22 +212,13 @@ impl<M: Media> Paths<'_, '_, M> {
         }
         let ([pick, polar, azimuth, crossing], u) = (air.next4(), air.next4());
         let (lamp, probability) = self.emitters.lamp_along(start.origin, start.origin, pick)?;
-        let way = punctual::ball(lamp)?.0 - start.origin;
-        let (sin, cos) = (PI * polar).sin_cos();
-        let (sin_phi, cos_phi) = (2.0 * PI * azimuth).sin_cos();
-        let dir = warp::about(way.normalize_or(Vec3::Y), Vec3::new(sin * cos_phi, sin * sin_phi, cos)).normalize();
-        let is_air = start.normal_geom == Vec3::ZERO;
-        let received = if is_air { 1.0 } else { dir.dot(start.normal_shading) };
-        if received <= 0.0 || (!is_air && dir.dot(start.normal_geom) <= 0.0) {
-            return None;
-        }
+        let Around { dir, cos, sin } = Around::draw(start, lamp, [polar, azimuth])?;
         let arrival = self.travel(start.origin, dir, crossing, counters);
         let leg = Leg { origin: start.origin, dir, length: arrival.distance };
         let stretch = self.media.scattering_stretch(&leg)?;
         let (radiance, aperture, offset) =
             self.scattered_once(&leg, stretch, lamp, [u[0], u[1], u[2]], &arrival, counters)?;
-        // The density of the direction is 1/(2π² sin γ); sin γ / offset is 1 / distance to the lamp, hence bounded.
-        Some((radiance * (aperture * 2.0 * PI * PI * (sin / offset) / probability), dir, received))
+        Some((radiance * (aperture * Around::over_density(sin, offset) / probability), dir, cos))
     }
 
     /// One point of the leg, drawn equi-angularly about a lamp: the lamp's light scattered there back along the leg, over
@@ -239,18 +232,8 @@ impl<M: Media> Paths<'_, '_, M> {
         arrival: &Arrival,
         counters: &Counters,
     ) -> Option<(Vec3, f32, f32)> {
-        let (centre, radius) = punctual::ball(lamp)?;
-        let way = centre - leg.origin;
-        let nearest = way.dot(leg.dir);
-        let offset = (way - nearest * leg.dir).length().max(radius);
-        let (from, to) = (((near - nearest) / offset).atan(), ((far - nearest) / offset).atan());
-        let along = offset * (from + u[0] * (to - from)).tan();
-        let distance = (nearest + along).clamp(near, far);
+        let LitPoint { distance, target, irradiance, aperture, offset } = LitPoint::draw(leg, (near, far), lamp, u)?;
         let point = leg.at(distance);
-        let (target, irradiance) = punctual::sample(lamp, point, u[1], u[2])?;
-        if irradiance == Vec3::ZERO {
-            return None;
-        }
         let ray = Ray { origin: point, dir: target - point, t_max: 1.0 };
         let towards = ray.dir.try_normalize()?;
         let scatter = self.media.scatter(point, leg.dir, towards);
@@ -259,7 +242,65 @@ impl<M: Media> Paths<'_, '_, M> {
         }
         let passed = self.media.transmittance(&Leg { length: distance, ..*leg }) * arrival.passed_before(distance);
         let lit = irradiance * self.visibility(&ray, towards, counters)?;
+        Some((passed * scatter * lit, aperture, offset))
+    }
+}
+
+/// A direction at a start, drawn uniformly in the angle from a lamp.
+pub(super) struct Around {
+    pub dir: Vec3,
+    /// At the start; 1 in the air.
+    pub cos: f32,
+    /// Sine of the angle from the lamp.
+    pub sin: f32,
+}
+
+impl Around {
+    /// `None` where it leads below the surface.
+    pub fn draw(start: &Vertex, lamp: &Light, [polar, azimuth]: [f32; 2]) -> Option<Self> {
+        let way = punctual::ball(lamp)?.0 - start.origin;
+        let (sin, cos) = (PI * polar).sin_cos();
+        let (sin_phi, cos_phi) = (2.0 * PI * azimuth).sin_cos();
+        let dir = warp::about(way.normalize_or(Vec3::Y), Vec3::new(sin * cos_phi, sin * sin_phi, cos)).normalize();
+        let is_air = start.normal_geom == Vec3::ZERO;
+        let received = if is_air { 1.0 } else { dir.dot(start.normal_shading) };
+        let is_above = received > 0.0 && (is_air || dir.dot(start.normal_geom) > 0.0);
+        is_above.then_some(Self { dir, cos: received, sin })
+    }
+
+    /// One over the density of the direction, divided by the offset of its leg from the lamp: `2π² sin γ / offset`, where
+    /// `sin γ / offset` is 1 / distance to the lamp, hence bounded.
+    pub fn over_density(sin: f32, offset: f32) -> f32 {
+        2.0 * PI * PI * (sin / offset)
+    }
+}
+
+/// A point of a leg, drawn equi-angularly about a lamp.
+pub(super) struct LitPoint {
+    pub distance: f32,
+    /// On the lamp.
+    pub target: Vec3,
+    /// Of the lamp there, without air and shadows, over the density of the distance up to the factor `aperture / offset`.
+    pub irradiance: Vec3,
+    /// Angle under which the lamp sees the leg, radians.
+    pub aperture: f32,
+    /// Distance of the lamp from the leg's line, metres.
+    pub offset: f32,
+}
+
+impl LitPoint {
+    /// On the stretch from `near` to `far` of the leg.
+    pub fn draw(leg: &Leg, (near, far): (f32, f32), lamp: &Light, u: [f32; 3]) -> Option<Self> {
+        let (centre, radius) = punctual::ball(lamp)?;
+        let way = centre - leg.origin;
+        let nearest = way.dot(leg.dir);
+        let offset = (way - nearest * leg.dir).length().max(radius);
+        let (from, to) = (((near - nearest) / offset).atan(), ((far - nearest) / offset).atan());
+        let along = offset * (from + u[0] * (to - from)).min(WIDEST).tan();
+        let distance = (nearest + along).clamp(near, far);
+        let (target, irradiance) = punctual::sample(lamp, leg.at(distance), u[1], u[2])?;
         // Density of the distance is offset / (aperture · (offset² + along²)).
-        Some((passed * scatter * lit * (offset * offset + along * along), to - from, offset))
+        let irradiance = irradiance * (offset * offset + along * along);
+        (irradiance != Vec3::ZERO).then_some(Self { distance, target, irradiance, aperture: to - from, offset })
     }
 }

@@ -61,7 +61,9 @@ impl<'a> InAir<'a> {
     ) -> Result<Lightmap, Interrupted> {
         match self {
             Self::Walk(fog) => pages(tracer, fog, atlas, settings, progress),
-            Self::Tables(media, _) => by_tables(tracer, media, atlas, settings, progress),
+            Self::Tables(media, _) => {
+                with_tables(tracer, media, settings, progress, |paths| solve_pages(paths, atlas, settings, progress))
+            }
             Self::Grid(fog, grid, [rays, shadow_rays, cut_paths]) => {
                 let lit = Lit::new(fog.clone(), grid, tracer);
                 let mut lightmap = pages(tracer, &lit, atlas, settings, progress)?;
@@ -94,18 +96,19 @@ impl<'a> InAir<'a> {
     }
 }
 
-fn by_tables(
+/// Does something with paths that look up tables.
+pub fn with_tables<T>(
     tracer: &Tracer,
     media: &MediumSet,
-    atlas: &Atlas,
     settings: &LightmapSettings,
     progress: &dyn Progress,
-) -> Result<Lightmap, Interrupted> {
+    solve: impl FnOnce(&TablePaths) -> T,
+) -> T {
     progress.stage("measure factors", 1);
     let (emitters, reduced) = (emitters(tracer, settings), tables::medium::reduce(media));
     let tabled = Tabled::new(&reduced);
     let paths = paths(tracer, &emitters, &tabled, settings);
-    let paths = TablePaths::new(paths, tables::factors::Effort::default(), hash(settings.seed, FACTORS_SEED));
+    let paths = TablePaths::new(paths, settings.tables, hash(settings.seed, FACTORS_SEED));
     progress.advance(1);
-    solve_pages(&paths, atlas, settings, progress)
+    solve(&paths)
 }

@@ -14,6 +14,9 @@ pub mod grid_size;
 pub use grid_size as grid;
 #[cfg(feature = "media")]
 mod in_air;
+#[cfg(feature = "media")]
+pub mod kept;
+pub mod kept_size;
 pub mod lattice;
 pub mod media;
 pub mod path;
@@ -81,6 +84,23 @@ pub struct LightmapSettings {
     pub mode: Mode,
     /// The light grid of [`Mode::Grid`].
     pub grid: GridSettings,
+    /// The factors of [`Mode::Tables`].
+    pub tables: Effort,
+}
+
+/// How much work the factors of [`Mode::Tables`] take.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effort {
+    /// Surface points at which they are measured.
+    pub stations: usize,
+    /// Directions per point.
+    pub rays: u32,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Self { stations: 2048, rays: 128 }
+    }
 }
 
 /// How light in the air is solved.
@@ -110,6 +130,7 @@ impl Default for LightmapSettings {
             multiple: true,
             mode: Mode::Walk,
             grid: GridSettings { cells: 12, samples: 256 },
+            tables: Effort::default(),
         }
     }
 }
@@ -141,7 +162,7 @@ pub struct PageReport {
 }
 
 /// What a bake of all pages returns.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Lightmap {
     /// One per page of the atlas.
     pub pages: Vec<PageBuffers>,
@@ -289,7 +310,7 @@ fn solve_pages<G: Gather>(
     settings: &LightmapSettings,
     progress: &dyn Progress,
 ) -> Result<Lightmap, Interrupted> {
-    let mut lightmap = Lightmap { pages: vec![], reports: vec![], rays: 0, shadow_rays: 0, cut_paths: 0 };
+    let mut lightmap = Lightmap::default();
     let mut texels_left: usize = atlas.pages.iter().map(|page| page.texels.len()).sum();
     for (index, page) in atlas.pages.iter().enumerate() {
         let share = page.texels.len() as f64 / texels_left.max(1) as f64;
@@ -314,14 +335,15 @@ struct PageSolver<'a, G> {
 impl<G: Gather> PageSolver<'_, G> {
     fn solve(&self, lightmap: &mut Lightmap) -> Result<(), Interrupted> {
         let starts = self.starts()?;
+        let good: Vec<bool> = starts.iter().map(|starts| !starts.is_empty()).collect();
         let mut estimates = vec![Estimate::default(); starts.len()];
         let mut rounds = Rounds::new(self.settings, self.deadline);
         loop {
             self.round(&starts, &mut estimates, rounds.samples(), lightmap)?;
-            let report = self.report(&starts, &estimates, rounds.samples().end * REPLICATES as u32);
+            let report = self.report(&good, &estimates, rounds.samples().end * REPLICATES as u32);
             if !rounds.go_on(report.error) {
                 lightmap.reports.push(report);
-                lightmap.pages.push(self.buffers(&starts, &estimates, report.samples));
+                lightmap.pages.push(self.buffers(&good, &estimates, report.samples));
                 return Ok(());
             }
         }
@@ -360,17 +382,21 @@ impl<G: Gather> PageSolver<'_, G> {
                 if self.progress.is_cancelled() {
                     return Err(Interrupted);
                 }
-                if !starts[texel].is_empty() {
-                    estimate.add(self.paths, &starts[texel], self.texel_seed(texel), samples.clone(), &counters);
+                let (starts, seed) = (&starts[texel], self.texel_seed(texel));
+                if starts.is_empty() {
+                    continue;
                 }
+                estimate.add(samples.clone(), |replicate, sample| {
+                    let mut sampler = Sampler::new(sample, hash(seed, replicate));
+                    let [u, ..] = sampler.next4();
+                    self.paths.gather(&starts[texels::pick(starts, u)].vertex, &mut sampler, &counters)
+                });
             }
             self.finish_task(estimates.len() as u64)?;
             Ok(counters)
         });
         for counters in tasks.collect::<Result<Vec<_>, Interrupted>>()? {
-            lightmap.rays += counters.rays.get();
-            lightmap.shadow_rays += counters.shadow_rays.get();
-            lightmap.cut_paths += counters.cut_paths.get();
+            lightmap.count(&counters);
         }
         Ok(())
     }
@@ -385,9 +411,9 @@ impl<G: Gather> PageSolver<'_, G> {
         hash(self.seed, u32::from(texel.x) | u32::from(texel.y) << 16)
     }
 
-    fn report(&self, starts: &[Vec<Start>], estimates: &[Estimate], samples: u32) -> PageReport {
-        let good: Vec<&Estimate> =
-            starts.iter().zip(estimates).filter(|(s, _)| !s.is_empty()).map(|(_, e)| e).collect();
+    fn report(&self, good: &[bool], estimates: &[Estimate], samples: u32) -> PageReport {
+        let texels = good.len();
+        let good: Vec<&Estimate> = good.iter().zip(estimates).filter(|(good, _)| **good).map(|(_, e)| e).collect();
         let mut levels: Vec<f32> = good.iter().map(|e| e.total().dot(LUMINANCE)).collect();
         levels.sort_by(f32::total_cmp);
         let median = levels.get(levels.len() / 2).copied().unwrap_or(0.0);
@@ -396,11 +422,11 @@ impl<G: Gather> PageSolver<'_, G> {
             if level > 0.0 { f64::from(e.luminance_variance() / (level * level)) } else { 0.0 }
         });
         let error = (squares.sum::<f64>() / good.len().max(1) as f64).sqrt() as f32;
-        let buried_texels = (starts.len() - good.len()) as u32;
+        let buried_texels = (texels - good.len()) as u32;
         PageReport { samples, error, median, good_texels: good.len() as u32, buried_texels }
     }
 
-    fn buffers(&self, starts: &[Vec<Start>], estimates: &[Estimate], samples: u32) -> PageBuffers {
+    fn buffers(&self, good: &[bool], estimates: &[Estimate], samples: u32) -> PageBuffers {
         let size = (self.page.width * self.page.height) as usize;
         let mut buffers = PageBuffers {
             width: self.page.width,
@@ -411,9 +437,9 @@ impl<G: Gather> PageSolver<'_, G> {
             validity: vec![Validity::Empty; size],
             sh1: self.settings.sh1.then(|| vec![[Vec3::ZERO; 4]; size]),
         };
-        for ((texel, starts), estimate) in self.page.texels.iter().zip(starts).zip(estimates) {
+        for ((texel, good), estimate) in self.page.texels.iter().zip(good).zip(estimates) {
             let at = self.page.index(texel.x.into(), texel.y.into());
-            if starts.is_empty() {
+            if !good {
                 buffers.validity[at] = Validity::Buried;
                 continue;
             }
@@ -438,23 +464,15 @@ impl Default for Estimate {
 }
 
 impl Estimate {
-    /// Takes a range of samples of every replicate; `samples.start` of each were taken before.
-    fn add<G: Gather>(
-        &mut self,
-        paths: &G,
-        starts: &[Start],
-        seed: u32,
-        samples: std::ops::Range<u32>,
-        counters: &Counters,
-    ) {
+    /// Takes a range of samples of every replicate, each from `gather(replicate, sample)`; `samples.start` of each were taken
+    /// before.
+    fn add(&mut self, samples: std::ops::Range<u32>, mut gather: impl FnMut(u32, u32) -> Gathered) {
         let mut sum = Gathered::default();
         let (old, new) = (samples.start as f32, samples.end as f32);
         for (index, mean) in self.replicates.iter_mut().enumerate() {
             let mut replicate = Gathered::default();
             for sample in samples.clone() {
-                let mut sampler = Sampler::new(sample, hash(seed, index as u32));
-                let [u, ..] = sampler.next4();
-                replicate.add(&paths.gather(texels::pick(starts, u), &mut sampler, counters));
+                replicate.add(&gather(index as u32, sample));
             }
             *mean = (*mean * old + replicate.terms.into_iter().sum::<Vec3>()) / new;
             sum.add(&replicate);
@@ -481,6 +499,14 @@ impl Estimate {
         let levels = self.replicates.map(|r| r.dot(LUMINANCE));
         let mean = levels.iter().sum::<f32>() / count;
         levels.iter().map(|level| (level - mean).powi(2)).sum::<f32>() / (count * (count - 1.0))
+    }
+}
+
+impl Lightmap {
+    fn count(&mut self, counters: &Counters) {
+        self.rays += counters.rays.get();
+        self.shadow_rays += counters.shadow_rays.get();
+        self.cut_paths += counters.cut_paths.get();
     }
 }
 

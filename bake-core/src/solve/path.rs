@@ -107,6 +107,17 @@ impl Draw {
     }
 }
 
+/// Light that a draw sends to a vertex, as it would arrive without air.
+pub(super) struct Drawn {
+    /// On a surface perpendicular to the way.
+    pub irradiance: Vec3,
+    /// The way, and its unit direction.
+    pub ray: Ray,
+    pub dir: Vec3,
+    /// At the vertex.
+    pub cos: f32,
+}
+
 /// What a ray arrives at.
 pub(super) struct Arrival {
     pub(super) hit: Option<(Hit, Place, Surface)>,
@@ -288,7 +299,7 @@ impl<M: Media> Paths<'_, '_, M> {
             if u < 0.5 { warp::cosine_hemisphere(2.0 * u, v) } else { warp::uniform_hemisphere(2.0 * u - 1.0, v) };
         let dir = warp::about(start.normal_shading, local);
         let cos = dir.dot(start.normal_shading);
-        (dir, 0.5 * warp::cosine_pdf(cos) + 0.5 / TAU)
+        (dir, mixed_pdf(cos))
     }
 
     /// Radiance that the arrival emits towards `dir`'s origin, weighed against the draws made at `vertex`.
@@ -314,11 +325,23 @@ impl<M: Media> Paths<'_, '_, M> {
     /// vertex.
     pub(super) fn draw(
         &self,
-        Draw { strategy, share, is_first }: Draw,
+        draw: Draw,
         vertex: &Vertex,
         u: [f32; 3],
         counters: &Counters,
     ) -> Option<(Vec3, Vec3, f32)> {
+        let Drawn { irradiance, ray, dir, cos } = self.draw_clear(draw, vertex, u, counters)?;
+        Some((irradiance * self.through_air(&ray, dir), dir, cos))
+    }
+
+    /// The same without air.
+    pub(super) fn draw_clear(
+        &self,
+        Draw { strategy, share, is_first }: Draw,
+        vertex: &Vertex,
+        u: [f32; 3],
+        counters: &Counters,
+    ) -> Option<Drawn> {
         let LightSample { target, irradiance, pdf } =
             self.emitters.sample(self.tracer, strategy, vertex.origin, vertex.normal_shading, u)?;
         let (ray, dir) = match target {
@@ -337,15 +360,13 @@ impl<M: Media> Paths<'_, '_, M> {
         if passed == Vec3::ZERO {
             return None;
         }
-        let passed = passed * self.through_air(&ray, dir);
         let weight = pdf.map_or(1.0, |pdf| power_heuristic(share * pdf, self.direction_pdf(cos, is_first)));
-        Some((irradiance * passed * (weight / share), dir, cos))
+        Some(Drawn { irradiance: irradiance * passed * (weight / share), ray, dir, cos })
     }
 
     /// Density with which the other strategy would have followed a direction at `cos` from the normal.
     fn direction_pdf(&self, cos: f32, is_first: bool) -> f32 {
-        let cosine = warp::cosine_pdf(cos);
-        if M::MIXED || (self.sh1 && is_first) { 0.5 * cosine + 0.5 / TAU } else { cosine }
+        if M::MIXED || (self.sh1 && is_first) { mixed_pdf(cos) } else { warp::cosine_pdf(cos) }
     }
 
     /// Straight on to the next surface that does not let the ray through.
@@ -439,6 +460,11 @@ fn seen_from(surface: Surface, scene: &crate::scene::Scene, hit: &Hit) -> Surfac
         return Surface { reflect: Vec3::ZERO, transmit: Vec3::ZERO, emission: Vec3::ZERO, ..surface };
     }
     surface
+}
+
+/// Density of a direction at `cos` from the normal that is drawn half by cosine and half uniformly.
+pub(super) fn mixed_pdf(cos: f32) -> f32 {
+    0.5 * warp::cosine_pdf(cos) + 0.5 / TAU
 }
 
 /// Weight of a strategy with density `own` beside one with density `other`.

@@ -62,7 +62,8 @@ fn levels<M: Media>(paths: &Paths<M>, atlas: &Atlas, seed: u32) -> Vec<f64> {
             .map(|sample| {
                 let mut sampler = Sampler::new(sample, seed);
                 let [u, ..] = sampler.next4();
-                let gathered = paths.gather(texels::pick(&starts, u), &mut sampler, &Counters::default());
+                let gathered =
+                    paths.gather(&starts[texels::pick(&starts, u)].vertex, &mut sampler, &Counters::default());
                 f64::from(gathered.terms.into_iter().sum::<Vec3>().dot(LUMINANCE))
             })
             .sum();

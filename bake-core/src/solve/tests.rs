@@ -5,6 +5,7 @@ mod air_laws;
 #[cfg(feature = "media")]
 mod fog;
 #[cfg(feature = "media")]
+mod kept;
 mod points;
 #[cfg(feature = "media")]
 mod tables;

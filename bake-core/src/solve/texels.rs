@@ -55,10 +55,9 @@ fn middle(points: &[(Vertex, f32)]) -> Option<Vertex> {
     points.iter().map(|(vertex, _)| *vertex).min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-/// The start that a number in [0, 1) falls on.
-pub fn pick(starts: &[Start], u: f32) -> &Vertex {
-    let index = starts.partition_point(|start| start.cumulative <= u).min(starts.len() - 1);
-    &starts[index].vertex
+/// Index of the start that a number in [0, 1) falls on.
+pub fn pick(starts: &[Start], u: f32) -> usize {
+    starts.partition_point(|start| start.cumulative <= u).min(starts.len() - 1)
 }
 
 fn vertex_at(tracer: &Tracer, point: &SurfacePoint) -> Vertex {

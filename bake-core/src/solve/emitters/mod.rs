@@ -178,6 +178,14 @@ impl<'s> Emitters<'s> {
         self.finite.len()
     }
 
+    /// The scene's light that a finite emitter is; `None` for a glowing triangle.
+    pub fn light_of(&self, emitter: u32) -> Option<u32> {
+        match self.finite[emitter as usize] {
+            Finite::Light(light) => Some(light),
+            Finite::Triangle { .. } => None,
+        }
+    }
+
     /// Draws a finite emitter for the air around a point, whatever its direction of emission; returns its index with its
     /// probability.
     pub fn around(&self, point: Vec3, u: f32) -> Option<(u32, f32)> {

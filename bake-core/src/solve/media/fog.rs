@@ -30,6 +30,14 @@ impl<'a> Fog<'a> {
         Self { scatters_again, ..self }
     }
 
+    /// Optical depth of a leg per channel.
+    pub(in crate::solve) fn depth(&self, leg: &Leg) -> Vec3 {
+        if let Some(uniform) = &self.uniform {
+            return uniform.stretch(leg).map_or(Vec3::ZERO, |(near, far)| uniform.sigma_t * (far - near));
+        }
+        DVec3::from(self.set.optical_depth(&leg.ray())).as_vec3()
+    }
+
     /// Extinction times transmittance at `distance`, and that transmittance.
     fn density(&self, ray: &medium::Ray, distance: f64) -> (DVec3, DVec3) {
         let passed = self.set.transmittance(&medium::Ray { length: distance, ..*ray });

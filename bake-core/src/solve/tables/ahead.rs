@@ -1,44 +1,42 @@
-//! One look from a surface point into the scene: what lies ahead, and with which weights its radiance arrives, through
-//! the air (attenuated) and by way of it (scattered).
+//! One look from a surface point into the scene, and the points beside it on its own plane: where a path may go on.
 
 use super::View;
-use super::responses::{Lobe, ORDERS, Responses, Sight};
+use super::record::{Step, Way};
 use crate::scene::surface::Surface;
 use crate::solve::media::Leg;
 use crate::solve::path::{Arrival, Counters, Vertex};
 use crate::solve::warp;
 use crate::trace::{Hit, Place, Ray};
-use ::tables::Geometry;
 use glam::Vec3;
-use std::f32::consts::TAU;
+use std::f32::consts::{PI, TAU};
 
 /// Smallest cosine at the emitter; only keeps a quotient finite.
 const SMALLEST_COSINE: f32 = 1e-3;
 /// Cosine between the normals of a point and of one on its own plane.
 const SAME_PLANE: f32 = 0.866;
-/// Height above the plane from which its points are looked for, in units of their distance's mean.
-const PLANE_HEIGHT: f32 = 0.05;
+/// Height above the plane from which its points are looked for, in units of the walls' size.
+const PLANE_HEIGHT: f32 = 0.025;
+/// Mean distances at which points of an own plane are drawn besides the mean free path of the air at hand, in units of the
+/// walls' size: near ones count in thicker air. With the shares of all four.
+const SPANS: [f32; 3] = [0.5, 0.5 / 8.0, 0.5 / 64.0];
+const SHARES: [f32; 4] = [0.6, 0.2, 0.1, 0.1];
 
 /// A direction drawn at a vertex, half by cosine and half uniformly, and what lies there.
 pub(super) struct Ahead {
-    pub dir: Vec3,
+    pub leg: Leg,
     pub pdf: f32,
     /// Cosine at the vertex.
     pub cos: f32,
-    pub leg: Leg,
-    /// Optical depth of the leg.
-    pub depth: Vec3,
     pub arrival: Arrival,
 }
 
 /// A point of the plane on which a vertex lies: scattered light of it comes back.
 pub(super) struct Beside {
-    pub hit: Hit,
-    pub place: Place,
-    leg: Leg,
-    depth: Vec3,
+    pub leg: Leg,
     /// Inverse density per area, m².
     weight: f32,
+    hit: Hit,
+    place: Place,
 }
 
 impl View<'_, '_> {
@@ -51,18 +49,24 @@ impl View<'_, '_> {
         }
         let arrival = self.paths.travel(vertex.origin, dir, crossing, counters);
         let leg = Leg { origin: vertex.origin, dir, length: arrival.distance };
-        let depth = self.paths.media.depth(&leg);
-        Some(Ahead { dir, pdf, cos, leg, depth, arrival })
+        Some(Ahead { leg, pdf, cos, arrival })
     }
 
-    /// Draws a point of the vertex's own plane: distance with density `lambda e^(−lambda rho)`, any angle.
+    /// Draws a point of the vertex's own plane: any angle, the distance by a mean of exponentials.
     pub(super) fn beside(&self, vertex: &Vertex, [u, v]: [f32; 2], counters: &Counters) -> Option<Beside> {
-        let span = self.span(vertex.origin);
-        let rho = -span * (-u).ln_1p();
+        let [wide, middle, narrow] = SPANS.map(|span| span * self.wall);
+        let spans = [self.free_path(vertex.origin).min(wide), wide, middle, narrow];
+        let mut rest = u;
+        let chosen = SHARES.iter().position(|share| {
+            rest -= share;
+            rest < 0.0
+        });
+        let chosen = chosen.unwrap_or(SHARES.len() - 1);
+        let rho = -spans[chosen] * (-(1.0 + rest / SHARES[chosen]).clamp(0.0, 1.0 - f32::EPSILON)).ln_1p();
         let (sin, cos) = (TAU * v).sin_cos();
         let normal = vertex.normal_geom;
         let aside = warp::about(normal, Vec3::new(cos, sin, 0.0));
-        let height = PLANE_HEIGHT * span;
+        let height = PLANE_HEIGHT * self.wall;
         let origin = vertex.origin + rho * aside + height * normal;
         counters.rays.set(counters.rays.get() + 1);
         let hit = self.paths.tracer.closest_hit(&Ray { origin, dir: -normal, t_max: 2.0 * height })?;
@@ -73,61 +77,50 @@ impl View<'_, '_> {
             return None;
         }
         let way = place.point.position - vertex.origin;
-        let length = way.length();
-        let leg = Leg { origin: vertex.origin, dir: way.try_normalize()?, length };
-        let weight = TAU * rho * span * (rho / span).exp() / cos;
-        Some(Beside { hit, place, depth: self.paths.media.depth(&leg), leg, weight })
+        let leg = Leg { origin: vertex.origin, dir: way.try_normalize()?, length: way.length() };
+        let pdf: f32 = spans.iter().zip(SHARES).map(|(span, share)| share * (-rho / span).exp() / span).sum();
+        let weight = TAU * rho / (pdf * cos);
+        weight.is_finite().then_some(Beside { leg, weight, hit, place })
     }
 
-    /// Mean distance at which points of an own plane are drawn: the mean free path, or half of the walls' size.
-    fn span(&self, point: Vec3) -> f32 {
+    /// The mean free path at a point, metres.
+    fn free_path(&self, point: Vec3) -> f32 {
         let sigma_t = self.paths.media.set().sigma_t(point.as_dvec3());
-        let sigma_t = sigma_t.into_iter().fold(0.0, f64::max) as f32;
-        1.0 / sigma_t.max(2.0 / self.wall)
+        1.0 / sigma_t.into_iter().fold(0.0, f64::max).max(f64::from(f32::MIN_POSITIVE)) as f32
     }
 }
 
 impl Ahead {
-    /// Share of light that passes the leg and the surfaces on it.
-    pub fn passed(&self) -> Vec3 {
-        self.arrival.passed * self.depth.map(|d| (-d).exp())
-    }
-
-    /// The surface element that was hit as an emitter, and the inverse density per area: `s²/(c p)`.
-    pub fn element(&self, vertex: &Vertex) -> Option<(Sight<'_>, f32)> {
+    /// The way to the surface ahead, which is not asked what it reflects.
+    pub fn step(&self) -> Option<Step> {
         let (_, place, _) = self.arrival.hit.as_ref()?;
-        let cos = -place.normal_geom.dot(self.dir);
-        let axis = place.normal_geom * cos.signum();
-        let geometry = Geometry::new(vertex.normal_shading, self.dir, axis);
+        let cos = place.normal_geom.dot(self.leg.dir);
         let weight = self.leg.length * self.leg.length / (cos.abs().max(SMALLEST_COSINE) * self.pdf);
-        Some((Sight { leg: &self.leg, depth: self.depth, geometry }, weight))
+        Some(Step { way: Way::Ahead, weight, axis: place.normal_geom * -cos.signum(), reflect: self.arrival.passed })
     }
 
-    /// Weights of the radiance that leaves the surface ahead, scattered; not normalised.
-    pub fn scattered(&self, vertex: &Vertex, responses: &Responses) -> Lobe {
-        self.element(vertex)
-            .map_or([Vec3::ZERO; 2], |(sight, weight)| responses.area(&sight).map(|r| weight * r * self.arrival.passed))
+    /// On to the surface ahead, and the vertex there.
+    pub fn onward(&self, view: &View, lobe: f32) -> Option<(Step, Vertex, Vec3)> {
+        let (hit, place, surface) = self.arrival.hit.as_ref()?;
+        let (vertex, albedo) = view.paths.scatter(hit, place, surface, lobe)?;
+        let step = self.step()?;
+        Some((Step { reflect: step.reflect * albedo / PI, ..step }, vertex, albedo))
     }
 }
 
 impl Beside {
-    fn sight(&self, vertex: &Vertex) -> Sight<'_> {
+    /// The way there; the surface is not asked what it reflects.
+    pub fn step(&self) -> Step {
+        let Leg { dir, length, .. } = self.leg;
         let axis = self.place.normal_geom * if self.hit.back_face { -1.0 } else { 1.0 };
-        Sight { leg: &self.leg, depth: self.depth, geometry: Geometry::new(vertex.normal_shading, self.leg.dir, axis) }
+        Step { way: Way::Beside { dir, length }, weight: self.weight, axis, reflect: Vec3::ONE }
     }
 
-    /// Weights of the radiance that leaves the point beside; not normalised.
-    pub fn scattered(&self, vertex: &Vertex, responses: &Responses) -> Lobe {
-        responses.area(&self.sight(vertex)).map(|r| self.weight * r)
-    }
-
-    /// The same for all sums.
-    pub fn scattered_of_all(&self, vertex: &Vertex, responses: &Responses) -> [Vec3; 1 + ORDERS.len()] {
-        responses.area_of_all(&self.sight(vertex)).map(|r| self.weight * r)
-    }
-
-    /// The surface there.
-    pub fn surface(&self, scene: &crate::scene::Scene) -> Surface {
-        Surface::at(scene, self.hit.instance, self.hit.triangle, self.hit.barycentric)
+    /// On to the point beside, and the vertex there.
+    pub fn onward(&self, view: &View, lobe: f32) -> Option<(Step, Vertex, Vec3)> {
+        let surface =
+            Surface::at(view.paths.tracer.scene(), self.hit.instance, self.hit.triangle, self.hit.barycentric);
+        let (vertex, albedo) = view.paths.scatter(&self.hit, &self.place, &surface, lobe)?;
+        Some((Step { reflect: albedo / PI, ..self.step() }, vertex, albedo))
     }
 }

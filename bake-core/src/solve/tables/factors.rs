@@ -6,10 +6,12 @@
 //! the light that it sends to all surfaces. Sums stop at the number of collisions whose factors are nearest to 1.
 
 use super::View;
+use super::fold::sight;
 use super::responses::{ORDERS, Responses};
 use super::sources::{Flux, Lit, groups};
 use super::stations::Stations;
 use crate::scene::LightKind;
+use crate::solve::Effort;
 use crate::solve::path::{Counters, Vertex};
 use crate::solve::sampler::{Sampler, hash};
 use glam::Vec3;
@@ -17,21 +19,6 @@ use rayon::prelude::*;
 
 /// Bounds of every factor.
 pub const RANGE: (f32, f32) = (0.05, 6.0);
-
-/// How much work the factors take.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Effort {
-    /// Surface points at which they are measured.
-    pub stations: usize,
-    /// Directions per point.
-    pub rays: u32,
-}
-
-impl Default for Effort {
-    fn default() -> Self {
-        Self { stations: 2048, rays: 128 }
-    }
-}
 
 /// Stations and directions by which openness and size of a scene are judged.
 const SURVEY: (usize, u32) = (256, 32);
@@ -51,6 +38,8 @@ pub struct Factors {
     stations: Stations,
     /// By station.
     known: Vec<Sums>,
+    /// By station, what is known around it.
+    locals: Vec<Local>,
     /// Means over stations, for points that have none near.
     mean: Local,
     /// What to tell of it.
@@ -181,25 +170,30 @@ impl View<'_, '_> {
         Survey { distance, escaped: if rays > 0 { 1.0 - hits as f32 / rays as f32 } else { 1.0 } }
     }
 
-    fn measure(&self, vertex: &Vertex, responses: &Responses, rays: u32, closed: bool, seed: u32) -> Measured {
+    fn measure(&self, vertex: &Vertex, responses: &Responses, rays: u32, seed: u32) -> Measured {
         let mut sums = Measured::default();
         let counters = Counters::default();
         // Nothing is lost: every walk comes back.
-        let all_return = closed && self.paths.media.is_conservative();
+        let all_return = self.is_closed && self.paths.media.is_conservative();
         for sample in 0..rays {
             let mut sampler = Sampler::new(sample, seed);
             let ([u, v, crossing, _], [a, b, ..]) = (sampler.next4(), sampler.next4());
             if sample % BESIDE_EVERY == 0
                 && let Some(beside) = self.beside(vertex, [a, b], &counters)
             {
-                let [once, more @ ..] = beside.scattered_of_all(vertex, responses);
-                sums.beside.iter_mut().zip(more).for_each(|(s, m)| *s += (once + m) * BESIDE_EVERY as f32);
+                let depth = self.paths.media.depth(&beside.leg);
+                let step = beside.step();
+                let sight = sight(vertex.normal_shading, &beside.leg, depth, &step);
+                let [once, more @ ..] = responses.area_of_all(&sight);
+                let weight = step.weight * BESIDE_EVERY as f32;
+                sums.beside.iter_mut().zip(more).for_each(|(s, m)| *s += (once + m) * weight);
             }
             let Some(ahead) = self.look(vertex, [u, v, crossing], &counters) else { continue };
             sums.looks += 1;
             sums.short += u32::from(ahead.leg.length < CRACK * self.wall);
             let received = ahead.cos / ahead.pdf;
-            let opacity = Vec3::ONE - ahead.depth.map(|d| (-d).exp());
+            let depth = self.paths.media.depth(&ahead.leg);
+            let opacity = Vec3::ONE - depth.map(|d| (-d).exp());
             sums.opacity += received * opacity.element_sum() / 3.0;
             if all_return {
                 sums.walked[0] += received * opacity;
@@ -212,12 +206,14 @@ impl View<'_, '_> {
                     Some(dir) => sums.walked[1] += weight * self.paths.emitters.environment(dir),
                 }
             }
-            if let Some((sight, weight)) = ahead.element(vertex) {
+            if let Some(step) = ahead.step() {
+                let sight = sight(vertex.normal_shading, &ahead.leg, depth, &step);
                 let [once, more @ ..] = responses.area_of_all(&sight);
-                sums.surfaces.iter_mut().zip(more).for_each(|(s, m)| *s += weight * (once + m) * ahead.arrival.passed);
+                let weight = step.weight * step.reflect;
+                sums.surfaces.iter_mut().zip(more).for_each(|(s, m)| *s += weight * (once + m));
             } else {
-                let radiance = self.paths.emitters.environment(ahead.dir) * ahead.arrival.passed;
-                let [once, more @ ..] = responses.distant_of_all(&ahead.leg, ahead.depth, ahead.cos);
+                let radiance = self.paths.emitters.environment(ahead.leg.dir) * ahead.arrival.passed;
+                let [once, more @ ..] = responses.distant_of_all(&ahead.leg, depth, ahead.cos);
                 sums.sky.iter_mut().zip(more).for_each(|(s, m)| *s += (once + m) * radiance / ahead.pdf);
             }
         }
@@ -233,11 +229,12 @@ impl Factors {
         let mut stations = Stations::new(tracer, effort.stations);
         let survey = view.survey(&stations, hash(seed, 1));
         view.wall = 1.5 * survey.distance;
+        view.region = view.region_of(&stations);
+        view.extent = (view.region[1] - view.region[0]).length().clamp(f32::MIN_POSITIVE, f32::MAX);
+        view.is_closed = survey.escaped == 0.0;
         let view = &*view;
-        let closed = survey.escaped == 0.0;
-        let measure = |(i, vertex): (usize, &Vertex)| {
-            view.measure(vertex, responses, effort.rays, closed, hash(hash(seed, 2), i as u32))
-        };
+        let measure =
+            |(i, vertex): (usize, &Vertex)| view.measure(vertex, responses, effort.rays, hash(hash(seed, 2), i as u32));
         let measured: Vec<Measured> = stations.vertices.par_iter().enumerate().map(measure).collect();
         // What looks into a crack, as behind a lamp on a wall, must not speak for what is around it.
         let covered: Vec<bool> = measured.iter().map(|m| 4 * m.short > 3 * m.looks).collect();
@@ -269,7 +266,19 @@ impl Factors {
         known.iter().for_each(|sums| mean.add(sums, 1.0));
         let mean = mean.local();
         let report = report(&known, &measured, emitters.iter().chain(&suns), responses.chosen, survey.escaped);
-        Self { emitters, suns, stations, known, mean, report }
+        let mut factors = Self { emitters, suns, stations, known, locals: vec![], mean, report };
+        factors.locals = factors.stations.vertices.par_iter().map(|vertex| factors.at(vertex)).collect();
+        factors
+    }
+
+    /// Where they were measured.
+    pub(in crate::solve) fn stations(&self) -> &Stations {
+        &self.stations
+    }
+
+    /// What is known around a station.
+    pub(super) fn of_station(&self, station: Option<u32>) -> &Local {
+        station.and_then(|station| self.locals.get(station as usize)).unwrap_or(&self.mean)
     }
 
     /// What is known at a vertex.

@@ -4,7 +4,7 @@ use crate::solve::media::Deflected;
 use crate::solve::media::{Flight, Fog, Leg, Media};
 use bake_optics::medium::{MediumSet, Scatter};
 use bake_optics::phase::Phase;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 /// Mean cosine above which the whole medium is exchanged for an isotropic one.
 const LARGEST_MEAN_COSINE: f64 = 0.2;
@@ -45,7 +45,22 @@ impl<'a> Tabled<'a> {
 
     /// Optical depth of a leg per channel.
     pub fn depth(&self, leg: &Leg) -> Vec3 {
-        DVec3::from(self.set.optical_depth(&leg.ray())).as_vec3()
+        self.fog.depth(leg)
+    }
+
+    /// Distance of a collision on the leg, whatever the channel.
+    pub fn draw_collision(&self, leg: &Leg, u: [f32; 2]) -> Option<f32> {
+        self.fog.collide(leg, Vec3::ONE, u).map(|(distance, _)| distance).filter(|distance| *distance > 0.0)
+    }
+
+    /// Density of [`Self::draw_collision`], 1/m: the mean over channels that collide at all.
+    pub fn collision_pdf(&self, leg: &Leg, distance: f32) -> f32 {
+        let sigma_t = self.set.sigma_t(leg.at(distance).as_dvec3());
+        let (total, before) = (self.depth(leg), self.depth(&Leg { length: distance, ..*leg }));
+        let of = |c: usize| {
+            if total[c] > 0.0 { sigma_t[c] as f32 * (-before[c]).exp() / -(-total[c]).exp_m1() } else { 0.0 }
+        };
+        (0..3).map(of).sum::<f32>() / 3.0
     }
 
     /// Whether the three channels are the same.
@@ -81,6 +96,9 @@ impl Media for Tabled<'_> {
     }
 
     fn scatter(&self, point: Vec3, from: Vec3, to: Vec3) -> Vec3 {
+        if self.set.media.is_empty() {
+            return Vec3::ZERO;
+        }
         self.fog.scatter(point, from, to)
     }
 

@@ -1,10 +1,10 @@
 //! Emitters in groups that share one factor: what each sends astray, and what tables say that it sends.
 
-use super::responses::{Lobe, ORDERS, Sight};
+use super::responses::{ORDERS, Sight};
 use super::stations::Stations;
-use super::{Factors, Responses, View};
+use super::{Responses, View};
 use crate::scene::{Light, LightKind};
-use crate::solve::emitters::{Source, Strategy, punctual};
+use crate::solve::emitters::{Source, punctual};
 use crate::solve::media::Leg;
 use crate::solve::path::{Counters, Vertex};
 use crate::solve::sampler::{MAX_SAMPLES, Sampler, hash};
@@ -212,7 +212,8 @@ impl View<'_, '_> {
         let mut flux = Flux::NONE;
         let light = &scene.lights[index as usize];
         let LightKind::Directional { direction, .. } = light.kind else { return flux };
-        let (centre, radius) = self.ball(lit.stations);
+        let [low, high] = self.region;
+        let (centre, radius) = (0.5 * (low + high), 0.5 * (high - low).length() * 1.01);
         let power = light.color * (PI * radius * radius);
         let walks: Vec<Vec3> = (0..WALKS.0 as u32)
             .into_par_iter()
@@ -243,56 +244,16 @@ impl View<'_, '_> {
         flux
     }
 
-    /// A ball around all surfaces and the air that has an end.
-    fn ball(&self, stations: &Stations) -> (Vec3, f32) {
-        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for vertex in &stations.vertices {
-            (low, high) = (low.min(vertex.origin), high.max(vertex.origin));
-        }
+    /// A box around all surfaces and the air that has an end.
+    pub(super) fn region_of(&self, stations: &Stations) -> [Vec3; 2] {
+        let mut region = stations.bounds();
         for medium in &self.paths.media.set().media {
             let [a, b] = medium.bounds.bounding_box();
             if a.is_finite() && b.is_finite() {
-                (low, high) = (low.min(a.as_vec3()), high.max(b.as_vec3()));
+                region = [region[0].min(a.as_vec3()), region[1].max(b.as_vec3())];
             }
         }
-        (0.5 * (low + high), 0.5 * (high - low).length() * 1.01)
-    }
-
-    /// Light of the finite emitters scattered onto a vertex, by looking up one that is drawn: lamps' from the second collision on.
-    pub(super) fn finite_lobe(
-        &self,
-        vertex: &Vertex,
-        [u, v, w, _]: [f32; 4],
-        responses: &Responses,
-        factors: &Factors,
-        counters: &Counters,
-    ) -> Option<Lobe> {
-        let (index, probability) = self.paths.emitters.around(vertex.origin, u)?;
-        let source = self.paths.emitters.source(self.paths.tracer, index, v, w);
-        counters.shadow_rays.set(counters.shadow_rays.get() + 1);
-        let (seen, leg) = self.sees(vertex, &source)?;
-        let sight = self.sight(vertex, &seen, &leg);
-        let strength = seen.strength * factors.emitters[index as usize] / probability;
-        Some(match source {
-            Source::Lamp { index, .. } => [Vec3::ZERO, strength * responses.lamp(&sight, index as usize)],
-            Source::Patch { .. } => responses.area(&sight).map(|r| strength * r),
-        })
-    }
-
-    /// Light of the suns that scatters onto a vertex from the second collision on.
-    pub(super) fn sun_lobe(&self, vertex: &Vertex, responses: &Responses, factors: &Factors) -> Vec3 {
-        let suns = self.paths.emitters.strategies().iter().filter_map(|s| match s {
-            Strategy::Directional(index) => Some(*index as usize),
-            _ => None,
-        });
-        let scene = self.paths.tracer.scene();
-        suns.map(|index| {
-            let LightKind::Directional { direction, .. } = scene.lights[index].kind else { return Vec3::ZERO };
-            let leg = Leg { origin: vertex.origin, dir: -direction, length: f32::INFINITY };
-            let lobe = responses.distant(&leg, self.paths.media.depth(&leg), vertex.normal_shading.dot(-direction));
-            lobe[1] * scene.lights[index].color * factors.suns[index]
-        })
-        .sum()
+        region
     }
 }
 

@@ -74,6 +74,23 @@ impl Stations {
         (self.reach, self.entries, self.starts) = (reach, entries, starts);
     }
 
+    /// The station nearest to a vertex among those near it that look the same way.
+    pub fn nearest(&self, vertex: &Vertex) -> Option<u32> {
+        let mut best = (0.0, None);
+        self.around(vertex, |station, weight| {
+            if weight > best.0 {
+                best = (weight, Some(station as u32));
+            }
+        });
+        best.1
+    }
+
+    /// The box around all stations; empty without any.
+    pub fn bounds(&self) -> [Vec3; 2] {
+        let empty = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        self.vertices.iter().fold(empty, |[low, high], v| [low.min(v.origin), high.max(v.origin)])
+    }
+
     /// The stations near a vertex that look the same way, with their weights.
     pub fn around(&self, vertex: &Vertex, mut visit: impl FnMut(usize, f32)) {
         // Cells are twice the reach wide: eight hold all that is near.

@@ -3,7 +3,7 @@
 use super::fog::{courtyard, courtyard_air, gathered, points, room, score, sun, truth_room, uniform, unit_box};
 use super::*;
 use crate::solve::tables::TablePaths;
-use crate::solve::tables::factors::{Effort, RANGE, Report};
+use crate::solve::tables::factors::{RANGE, Report};
 use crate::solve::tables::medium::{Tabled, reduce};
 use bake_optics::phase::Phase;
 use testkit::reference::{read_csv, shared};
@@ -31,10 +31,11 @@ fn effort() -> (u32, Effort) {
     }
 }
 
-/// Limits of bias and RMSE: those that tables are held to; the room of three mean free paths is the hardest for them.
+/// Limits of bias and RMSE: those that tables are held to (of bias in thin rooms none is asked; what its RMSE leaves is given); the
+/// room of three mean free paths is the hardest for them.
 #[test]
 fn tables_meet_the_closed_rooms() {
-    for (number, bias, rmse) in [(1, 0.01, 0.025), (2, 0.01, 0.025), (3, 0.05, 0.06)] {
+    for (number, bias, rmse) in [(1, 0.02, 0.025), (2, 0.02, 0.025), (3, 0.05, 0.06)] {
         let Some(path) = shared(&format!("reference/box_truth_s{number}.csv")) else { return };
         let (scene, air, truth) = truth_room(number, &path);
         let (samples, effort) = effort();
@@ -96,7 +97,9 @@ fn threads_do_not_change_a_bit() {
     let mut scene = room([0.5; 6]);
     scene.lights = vec![point_light(Vec3::splat(0.5), 1.0)];
     let air = uniform(unit_box(), 1.0, 0.8, Phase::Isotropic);
-    let settings = LightmapSettings { min_samples: 16, max_samples: 16, mode: Mode::Tables, ..Default::default() };
+    let tables = Effort { stations: 256, rays: 32 };
+    let settings =
+        LightmapSettings { min_samples: 16, max_samples: 16, mode: Mode::Tables, tables, ..Default::default() };
     let bake = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let solve = || lightmap(&Tracer::new(&scene), &air, &quad_atlas(SIZE), &settings, &Silent).unwrap();

@@ -1,0 +1,509 @@
+//! Paths as bytes: what `bake refog` reads back.
+//!
+//! Directions and normals take 4 bytes (octahedral, at most 6.4e-5 rad off), lengths 3 (7.6e-6 of the value), strengths 2 a channel, one
+//! channel where a vertex sees only greys. Strengths are rounded up or down at random, in proportion, so that their means keep no
+//! bias. Places are not stored: each follows from the one before and the way from there, and is lifted off its surface by more than the
+//! error of both, so that legs along a border of the air stay on their side of it.
+
+use super::record::{Link, Lobe, Look, Once, Path, Step, Straight, Sunlit, Visit, Way};
+use crate::solve::path::Vertex;
+use glam::{Vec2, Vec3};
+
+/// Lift of a place, as a share of the way that led there: above the error of direction and length together.
+const LIFT: f32 = 1e-4;
+/// No station.
+const NOWHERE: u16 = u16::MAX;
+
+/// What a vertex has.
+mod has {
+    pub const STRAIGHT: u8 = 1;
+    pub const ONCE: u8 = 1 << 1;
+    pub const LOBE: u8 = 1 << 2;
+    pub const LOOK: u8 = 1 << 3;
+    pub const GLOW: u8 = 1 << 4;
+    pub const SKY: u8 = 1 << 5;
+    pub const SUN: u8 = 1 << 6;
+    pub const COLOUR: u8 = 1 << 7;
+}
+
+/// Writes paths.
+#[derive(Debug, Default)]
+pub struct Encoder {
+    bytes: Vec<u8>,
+    /// State of the generator behind random rounding.
+    state: u32,
+    colour: bool,
+}
+
+/// What indices may be.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits {
+    /// Finite emitters.
+    pub emitters: u32,
+    /// Lights of the scene.
+    pub lights: u32,
+}
+
+/// Reads paths.
+#[derive(Debug)]
+pub struct Decoder<'b> {
+    bytes: &'b [u8],
+    limits: Limits,
+    colour: bool,
+}
+
+/// The bytes are no paths of this scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Damage {
+    /// They end within a path.
+    #[error("a path is cut off")]
+    Short,
+    /// They go on behind the last path.
+    #[error("something follows the last path")]
+    Long,
+    /// An index points beyond the scene's lights.
+    #[error("a path meets an emitter that the scene has not")]
+    Emitter,
+}
+
+type Decoded<T> = Result<T, Damage>;
+
+impl Encoder {
+    /// Random numbers of rounding follow from `seed`.
+    pub fn new(seed: u32) -> Self {
+        Self { state: seed, ..Self::default() }
+    }
+
+    /// What was written.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// The places where the paths of a texel start.
+    pub fn starts<'v>(&mut self, starts: impl ExactSizeIterator<Item = &'v Vertex>) {
+        self.count(starts.len());
+        for vertex in starts {
+            vertex.origin.to_array().iter().for_each(|x| self.bytes.extend(x.to_le_bytes()));
+            self.direction(vertex.normal_geom);
+            self.direction(vertex.normal_shading);
+        }
+    }
+
+    /// A path from the start of this number.
+    pub fn path(&mut self, start: usize, path: &Path) {
+        self.count(start);
+        let straights = path.straight.iter().map(|straight| straight.irradiance);
+        self.colour = straights.chain(strengths(&path.start)).any(|c| !is_grey(c));
+        self.bytes.push(path.straight.len() as u8);
+        self.visit(&path.start);
+        path.straight.iter().for_each(|straight| self.straight(straight));
+        for chain in &path.chains {
+            self.count(chain.len());
+            chain.iter().for_each(|link| self.link(link));
+        }
+    }
+
+    fn link(&mut self, Link { step, visit }: &Link) {
+        self.colour = strengths(visit).chain([step.reflect]).any(|c| !is_grey(c));
+        self.visit(visit);
+        match step.way {
+            Way::Ahead => self.bytes.push(0),
+            Way::Beside { dir, length } => {
+                self.bytes.push(1);
+                self.direction(dir);
+                self.length(length);
+            }
+        }
+        // Grazing cosines in it are smaller than what directions keep.
+        self.strength(step.weight);
+        self.direction(step.axis);
+        self.rgb(step.reflect);
+        self.direction(visit.normal);
+        self.bytes.extend(visit.station.map_or(NOWHERE, |s| s as u16).to_le_bytes());
+    }
+
+    fn visit(&mut self, visit: &Visit) {
+        let look = visit.look.as_ref();
+        let flag = |on: bool, bit: u8| if on { bit } else { 0 };
+        self.bytes.push(
+            flag(visit.straight.is_some(), has::STRAIGHT)
+                | flag(visit.once.is_some(), has::ONCE)
+                | flag(visit.lobe.is_some(), has::LOBE)
+                | flag(look.is_some(), has::LOOK)
+                | flag(look.is_some_and(|l| l.glow != Vec3::ZERO), has::GLOW)
+                | flag(look.is_some_and(|l| l.sky != Vec3::ZERO), has::SKY)
+                | flag(look.is_some_and(|l| l.sun.is_some()), has::SUN)
+                | flag(self.colour, has::COLOUR),
+        );
+        visit.straight.iter().for_each(|straight| self.straight(straight));
+        if let Some(Once { dir, distance, towards, rest, strength }) = visit.once {
+            self.direction(dir);
+            self.length(distance);
+            self.direction(towards);
+            self.length(rest);
+            self.rgb(strength);
+        }
+        if let Some(Lobe { emitter, dir, length, axis, strength }) = visit.lobe {
+            self.index(emitter);
+            self.direction(dir);
+            self.length(length);
+            self.direction(axis);
+            self.rgb(strength);
+        }
+        if let Some(Look { dir, length, glow, sky, sun }) = visit.look {
+            self.direction(dir);
+            self.length(length);
+            [glow, sky].into_iter().filter(|c| *c != Vec3::ZERO).for_each(|c| self.rgb(c));
+            if let Some(Sunlit { light, distance, strength }) = sun {
+                self.index(light);
+                self.length(distance);
+                self.rgb(strength);
+            }
+        }
+    }
+
+    fn straight(&mut self, Straight { dir, length, irradiance }: &Straight) {
+        self.direction(*dir);
+        self.length(*length);
+        self.rgb(*irradiance);
+    }
+
+    /// A small number: paths are cut long before it could be too large.
+    fn count(&mut self, count: usize) {
+        self.bytes.extend((count as u16).to_le_bytes());
+    }
+
+    fn index(&mut self, index: u32) {
+        self.bytes.extend(&index.to_le_bytes()[..3]);
+    }
+
+    fn direction(&mut self, dir: Vec3) {
+        let folded = octahedron(dir);
+        for x in [folded.x, folded.y] {
+            self.bytes.extend((((0.5 * x + 0.5) * 65535.0).round() as u16).to_le_bytes());
+        }
+    }
+
+    fn length(&mut self, length: f32) {
+        let bits = (length.to_bits() & 0x7fff_ffff).saturating_add(1 << 6) >> 7;
+        self.bytes.extend(&bits.to_le_bytes()[..3]);
+    }
+
+    fn rgb(&mut self, value: Vec3) {
+        self.strength(value.x);
+        if self.colour {
+            self.strength(value.y);
+            self.strength(value.z);
+        }
+    }
+
+    /// The upper 16 of the 31 bits of a positive number.
+    fn strength(&mut self, value: f32) {
+        // Numerical Recipes' linear congruential generator; its upper bits are the random ones.
+        self.state = self.state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let bits = ((value.max(0.0).to_bits() + (self.state >> 17)) >> 15) as u16;
+        self.bytes.extend(bits.to_le_bytes());
+    }
+}
+
+impl<'b> Decoder<'b> {
+    /// Reads what an [`Encoder`] wrote.
+    pub fn new(bytes: &'b [u8], limits: Limits) -> Self {
+        Self { bytes, limits, colour: false }
+    }
+
+    /// Whether all was read.
+    pub fn is_done(&self) -> bool {
+        self.bytes.is_empty()
+    }
+
+    /// The places where the paths of a texel start.
+    pub fn starts(&mut self) -> Decoded<Vec<Vertex>> {
+        let count = self.count()?;
+        let vertex = |_| {
+            let mut number = || Ok(f32::from_le_bytes(self.take()?));
+            let origin = Vec3::new(number()?, number()?, number()?);
+            Ok(Vertex { origin, normal_geom: self.direction()?, normal_shading: self.direction()? })
+        };
+        (0..count).map(vertex).collect()
+    }
+
+    /// The number of a path's start, and the path into `path`, whose memory is used again.
+    pub fn path(&mut self, starts: &[Vertex], path: &mut Path) -> Decoded<usize> {
+        let index = self.count()? as usize;
+        let start = starts.get(index).ok_or(Damage::Short)?;
+        let [straights] = self.take()?;
+        path.start = self.visit(Visit::at(start, None))?.lifted();
+        path.straight.clear();
+        for _ in 0..straights {
+            let straight = self.straight()?;
+            path.straight.push(straight);
+        }
+        for chain in &mut path.chains {
+            chain.clear();
+            let mut before = path.start;
+            for _ in 0..self.count()? {
+                let link = self.link(&before)?;
+                before = link.visit;
+                chain.push(link);
+            }
+        }
+        Ok(index)
+    }
+
+    fn link(&mut self, before: &Visit) -> Decoded<Link> {
+        let seen = self.visit(Visit::default())?;
+        let [is_beside] = self.take()?;
+        let way = if is_beside == 0 {
+            Way::Ahead
+        } else {
+            let dir = self.direction()?;
+            // Not below the plane on which it lies.
+            let dir = (dir - dir.dot(before.normal).min(0.0) * before.normal).normalize_or(dir);
+            Way::Beside { dir, length: self.length()? }
+        };
+        let weight = self.strength()?;
+        let (axis, reflect, normal) = (self.direction()?, self.rgb()?, self.direction()?);
+        let station = Some(u16::from_le_bytes(self.take()?)).filter(|&s| s != NOWHERE).map(u32::from);
+        let (dir, length) = match (way, &before.look) {
+            (Way::Beside { dir, length }, _) => (dir, length),
+            (Way::Ahead, Some(look)) => (look.dir, look.length),
+            (Way::Ahead, None) => return Err(Damage::Short),
+        };
+        let origin = before.origin + length * (dir + LIFT * normal);
+        let visit = Visit { origin, normal, station, ..seen }.lifted();
+        Ok(Link { step: Step { way, weight, axis, reflect }, visit })
+    }
+
+    /// `visit` with what is seen from it.
+    fn visit(&mut self, mut visit: Visit) -> Decoded<Visit> {
+        let [flags] = self.take()?;
+        self.colour = flags & has::COLOUR != 0;
+        if flags & has::STRAIGHT != 0 {
+            visit.straight = Some(self.straight()?);
+        }
+        if flags & has::ONCE != 0 {
+            let (dir, distance, towards) = (self.direction()?, self.length()?, self.direction()?);
+            visit.once = Some(Once { dir, distance, towards, rest: self.length()?, strength: self.rgb()? });
+        }
+        if flags & has::LOBE != 0 {
+            let emitter = self.index(self.limits.emitters)?;
+            let (dir, length, axis) = (self.direction()?, self.length()?, self.direction()?);
+            visit.lobe = Some(Lobe { emitter, dir, length, axis, strength: self.rgb()? });
+        }
+        if flags & has::LOOK != 0 {
+            let (dir, length) = (self.direction()?, self.length()?);
+            let glow = if flags & has::GLOW != 0 { self.rgb()? } else { Vec3::ZERO };
+            let sky = if flags & has::SKY != 0 { self.rgb()? } else { Vec3::ZERO };
+            let sun = if flags & has::SUN != 0 { Some(self.sunlit()?) } else { None };
+            visit.look = Some(Look { dir, length, glow, sky, sun });
+        }
+        Ok(visit)
+    }
+
+    fn sunlit(&mut self) -> Decoded<Sunlit> {
+        Ok(Sunlit { light: self.index(self.limits.lights)?, distance: self.length()?, strength: self.rgb()? })
+    }
+
+    fn straight(&mut self) -> Decoded<Straight> {
+        Ok(Straight { dir: self.direction()?, length: self.length()?, irradiance: self.rgb()? })
+    }
+
+    #[inline]
+    fn take<const N: usize>(&mut self) -> Decoded<[u8; N]> {
+        let (taken, rest) = self.bytes.split_first_chunk::<N>().ok_or(Damage::Short)?;
+        self.bytes = rest;
+        Ok(*taken)
+    }
+
+    fn count(&mut self) -> Decoded<u16> {
+        Ok(u16::from_le_bytes(self.take()?))
+    }
+
+    fn index(&mut self, limit: u32) -> Decoded<u32> {
+        let [a, b, c] = self.take()?;
+        let index = u32::from_le_bytes([a, b, c, 0]);
+        if index < limit { Ok(index) } else { Err(Damage::Emitter) }
+    }
+
+    #[inline]
+    fn direction(&mut self) -> Decoded<Vec3> {
+        let [a, b, c, d] = self.take()?;
+        let of = |bytes| f32::from(u16::from_le_bytes(bytes)) * (2.0 / 65535.0) - 1.0;
+        Ok(unfold(Vec2::new(of([a, b]), of([c, d]))))
+    }
+
+    #[inline]
+    fn length(&mut self) -> Decoded<f32> {
+        let [a, b, c] = self.take()?;
+        Ok(f32::from_bits(u32::from_le_bytes([a, b, c, 0]) << 7))
+    }
+
+    #[inline]
+    fn rgb(&mut self) -> Decoded<Vec3> {
+        let x = self.strength()?;
+        if self.colour { Ok(Vec3::new(x, self.strength()?, self.strength()?)) } else { Ok(Vec3::splat(x)) }
+    }
+
+    #[inline]
+    fn strength(&mut self) -> Decoded<f32> {
+        Ok(f32::from_bits(u32::from(u16::from_le_bytes(self.take()?)) << 15))
+    }
+}
+
+impl Visit {
+    /// Lifted by the error of the leg to an emitter, which may lie in the vertex's own plane and in the border of the air.
+    fn lifted(self) -> Self {
+        let length = self.lobe.map_or(0.0, |lobe| lobe.length);
+        Self { origin: self.origin + LIFT * length * self.normal, ..self }
+    }
+}
+
+fn strengths(visit: &Visit) -> impl Iterator<Item = Vec3> {
+    let look = visit.look.map(|l| [l.glow, l.sky, l.sun.map_or(Vec3::ZERO, |s| s.strength)]);
+    let others = [visit.straight.map(|s| s.irradiance), visit.once.map(|o| o.strength), visit.lobe.map(|l| l.strength)];
+    others.into_iter().flatten().chain(look.into_iter().flatten())
+}
+
+fn is_grey(colour: Vec3) -> bool {
+    colour.x == colour.y && colour.y == colour.z
+}
+
+/// The sphere unfolded into a square (Meyer et al. 2010, "On floating-point normal vectors").
+fn octahedron(dir: Vec3) -> Vec2 {
+    let p = Vec2::new(dir.x, dir.y) / dir.abs().element_sum().max(f32::MIN_POSITIVE);
+    if dir.z >= 0.0 { p } else { (1.0 - Vec2::new(p.y, p.x).abs()) * sign(p) }
+}
+
+#[inline]
+fn unfold(p: Vec2) -> Vec3 {
+    let z = 1.0 - p.x.abs() - p.y.abs();
+    let p = if z >= 0.0 { p } else { (1.0 - Vec2::new(p.y, p.x).abs()) * sign(p) };
+    Vec3::new(p.x, p.y, z).normalize()
+}
+
+fn sign(p: Vec2) -> Vec2 {
+    Vec2::new(1f32.copysign(p.x), 1f32.copysign(p.y))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: Limits = Limits { emitters: 9, lights: 2 };
+
+    fn direction(i: u32) -> Vec3 {
+        let u = |k: u32| crate::solve::sampler::hash(i, k) as f32 / u32::MAX as f32;
+        crate::solve::warp::uniform_sphere(u(1), u(2))
+    }
+
+    /// A path with everything that a path can have, from vertex 1 of two.
+    fn path(colour: Vec3) -> Path {
+        let straight = Straight { dir: direction(1), length: f32::INFINITY, irradiance: 3.0 * colour };
+        let look = |length, sun| Look { dir: direction(2), length, glow: 0.1 * colour, sky: Vec3::ZERO, sun };
+        let once =
+            Once { dir: direction(3), distance: 0.7, towards: direction(4), rest: 12.5, strength: 7e-9 * colour };
+        let lobe = Lobe { emitter: 8, dir: direction(5), length: 3e-4, axis: direction(6), strength: 6e20 * colour };
+        let sun = Sunlit { light: 1, distance: 1e6, strength: colour };
+        let visit = |station, sun| Visit {
+            normal: direction(7),
+            station,
+            straight: Some(straight),
+            once: Some(once),
+            lobe: Some(lobe),
+            look: Some(look(2.0, sun)),
+            ..Visit::default()
+        };
+        let step = |way| Step { way, weight: 0.5, axis: direction(8), reflect: 0.3 * colour };
+        let beside = Way::Beside { dir: direction(9), length: 0.2 };
+        let links = [
+            Link { step: step(Way::Ahead), visit: visit(Some(77), None) },
+            Link { step: step(beside), visit: visit(None, Some(sun)) },
+        ];
+        Path { straight: vec![straight; 3], start: visit(None, Some(sun)), chains: [links.to_vec(), vec![links[0]]] }
+    }
+
+    fn written(colour: Vec3) -> (Encoder, [Vertex; 2]) {
+        let vertex = |i| Vertex { origin: 5.0 * direction(i), normal_geom: direction(i), normal_shading: direction(i) };
+        let starts = [vertex(20), vertex(21)];
+        let mut encoder = Encoder::new(1);
+        encoder.starts(starts.iter());
+        encoder.path(1, &path(colour));
+        (encoder, starts)
+    }
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        for colour in [Vec3::ONE, Vec3::new(0.9, 0.01, 0.3)] {
+            let (encoder, starts) = written(colour);
+            let mut decoder = Decoder::new(encoder.bytes(), LIMITS);
+            let found = decoder.starts().expect("starts");
+            assert_eq!(found[1].origin, starts[1].origin);
+            let (mut got, want) = (Path::default(), path(colour));
+            assert_eq!(decoder.path(&found, &mut got), Ok(1));
+            assert!(decoder.is_done());
+            assert_eq!(got.chains.each_ref().map(Vec::len), [2, 1]);
+            let near = |got: Vec3, want: Vec3| assert!((got / want - 1.0).abs().max_element() < 4.1e-3, "{got} {want}");
+            near(got.straight[2].irradiance, want.straight[2].irradiance);
+            let (a, b) = (&got.chains[0][1], &want.chains[0][1]);
+            near(a.step.reflect, b.step.reflect);
+            near(a.visit.once.unwrap().strength, b.visit.once.unwrap().strength);
+            near(a.visit.lobe.unwrap().strength, b.visit.lobe.unwrap().strength);
+            assert_eq!(got.chains[0][0].visit.station, Some(77));
+            assert_eq!(a.visit.station, None);
+            let (a, b) = (got.start.look.unwrap(), want.start.look.unwrap());
+            assert!(a.dir.angle_between(b.dir) < 6.4e-5 && (a.length / b.length - 1.0).abs() < 1e-5);
+            assert!(got.straight[0].length.is_infinite());
+            near(a.sun.unwrap().strength, b.sun.unwrap().strength);
+            let place = got.start.origin + a.dir * a.length;
+            assert!(got.chains[0][0].visit.origin.distance(place) < 2.0 * LIFT * a.length);
+        }
+    }
+
+    #[test]
+    fn octahedra_turn_directions_by_little_everywhere() {
+        let mut worst = 0.0f32;
+        let axes = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|a| [a, -a]);
+        for dir in axes.chain((0..20_000).map(direction)) {
+            let mut encoder = Encoder::new(0);
+            encoder.direction(dir);
+            let got = Decoder::new(encoder.bytes(), LIMITS).direction().expect("four bytes");
+            worst = worst.max(got.distance(dir));
+        }
+        assert!((1e-6..6.4e-5).contains(&worst), "{worst}");
+    }
+
+    /// 0.1 lies between two numbers of 16 bits: the mean of many is nearer than either.
+    #[test]
+    fn rounding_keeps_means() {
+        let mut encoder = Encoder::new(3);
+        (0..4096).for_each(|_| encoder.strength(0.1));
+        let mut decoder = Decoder::new(encoder.bytes(), LIMITS);
+        let values: Vec<f64> = (0..4096).map(|_| f64::from(decoder.strength().expect("two bytes"))).collect();
+        let mean = values.iter().sum::<f64>() / 4096.0;
+        assert!(values.iter().all(|v| (v / 0.1 - 1.0).abs() > 5e-4), "every value is off");
+        assert!((mean / 0.1 - 1.0).abs() < 1e-4, "{mean}");
+    }
+
+    #[test]
+    fn cut_and_foreign_bytes_are_told() {
+        let (encoder, starts) = written(Vec3::ONE);
+        let all = encoder.bytes();
+        for end in 0..all.len() {
+            let mut decoder = Decoder::new(&all[..end], LIMITS);
+            let read = decoder.starts().and_then(|starts| decoder.path(&starts, &mut Path::default()));
+            assert_eq!(read, Err(Damage::Short), "{end} of {} bytes", all.len());
+        }
+        let fewer = Limits { emitters: 8, lights: 2 };
+        let mut decoder = Decoder::new(all, fewer);
+        let found = decoder.starts().expect("starts");
+        assert_eq!(decoder.path(&found, &mut Path::default()), Err(Damage::Emitter));
+        // Whatever is flipped, reading ends.
+        for i in 0..all.len() {
+            let mut flipped = all.to_vec();
+            flipped[i] ^= 0x55;
+            let mut decoder = Decoder::new(&flipped, LIMITS);
+            let _ = decoder.path(&starts, &mut Path::default());
+        }
+    }
+}
