@@ -1,16 +1,16 @@
 //! Paths as bytes: what `bake refog` reads back.
 //!
-//! Directions and normals take 4 bytes (octahedral, at most 6.4e-5 rad off), lengths 3 (7.6e-6 of the value), strengths 2 a channel, one
-//! channel where a vertex sees only greys. Strengths are rounded up or down at random, in proportion, so that their means keep no
-//! bias. Places are not stored: each follows from the one before and the way from there, and is lifted off its surface by more than the
-//! error of both, so that legs along a border of the air stay on their side of it.
+//! Legs keep their bits: the lift of a vertex off its surface, a few roundings wide, decides whether a leg along a border of the air
+//! lies inside. Normals and axes take 4 bytes (octahedral, at most 6.4e-5 rad off, axes of coordinates exact), strengths 2 a channel,
+//! one channel where a vertex sees only greys. Strengths are rounded up or down at random, in proportion, so that their means keep no
+//! bias.
 
 use super::record::{Link, Lobe, Look, Once, Path, Step, Straight, Sunlit, Visit, Way};
 use crate::solve::path::Vertex;
 use glam::{Vec2, Vec3};
 
-/// Lift of a place, as a share of the way that led there: above the error of direction and length together.
-const LIFT: f32 = 1e-4;
+/// Steps of a normal's coordinates from 0 to 1.
+const NORMAL_STEPS: f32 = 32767.0;
 /// No station.
 const NOWHERE: u16 = u16::MAX;
 
@@ -83,9 +83,9 @@ impl Encoder {
     pub fn starts<'v>(&mut self, starts: impl ExactSizeIterator<Item = &'v Vertex>) {
         self.count(starts.len());
         for vertex in starts {
-            vertex.origin.to_array().iter().for_each(|x| self.bytes.extend(x.to_le_bytes()));
-            self.direction(vertex.normal_geom);
-            self.direction(vertex.normal_shading);
+            self.vector(vertex.origin);
+            self.normal(vertex.normal_geom);
+            self.normal(vertex.normal_shading);
         }
     }
 
@@ -110,15 +110,15 @@ impl Encoder {
             Way::Ahead => self.bytes.push(0),
             Way::Beside { dir, length } => {
                 self.bytes.push(1);
-                self.direction(dir);
-                self.length(length);
+                self.vector(dir);
+                self.number(length);
             }
         }
-        // Grazing cosines in it are smaller than what directions keep.
         self.strength(step.weight);
-        self.direction(step.axis);
+        self.normal(step.axis);
         self.rgb(step.reflect);
-        self.direction(visit.normal);
+        self.vector(visit.origin);
+        self.normal(visit.normal);
         self.bytes.extend(visit.station.map_or(NOWHERE, |s| s as u16).to_le_bytes());
     }
 
@@ -137,34 +137,34 @@ impl Encoder {
         );
         visit.straight.iter().for_each(|straight| self.straight(straight));
         if let Some(Once { dir, distance, towards, rest, strength }) = visit.once {
-            self.direction(dir);
-            self.length(distance);
-            self.direction(towards);
-            self.length(rest);
+            self.vector(dir);
+            self.number(distance);
+            self.vector(towards);
+            self.number(rest);
             self.rgb(strength);
         }
         if let Some(Lobe { emitter, dir, length, axis, strength }) = visit.lobe {
             self.index(emitter);
-            self.direction(dir);
-            self.length(length);
-            self.direction(axis);
+            self.vector(dir);
+            self.number(length);
+            self.normal(axis);
             self.rgb(strength);
         }
         if let Some(Look { dir, length, glow, sky, sun }) = visit.look {
-            self.direction(dir);
-            self.length(length);
+            self.vector(dir);
+            self.number(length);
             [glow, sky].into_iter().filter(|c| *c != Vec3::ZERO).for_each(|c| self.rgb(c));
             if let Some(Sunlit { light, distance, strength }) = sun {
                 self.index(light);
-                self.length(distance);
+                self.number(distance);
                 self.rgb(strength);
             }
         }
     }
 
     fn straight(&mut self, Straight { dir, length, irradiance }: &Straight) {
-        self.direction(*dir);
-        self.length(*length);
+        self.vector(*dir);
+        self.number(*length);
         self.rgb(*irradiance);
     }
 
@@ -177,16 +177,19 @@ impl Encoder {
         self.bytes.extend(&index.to_le_bytes()[..3]);
     }
 
-    fn direction(&mut self, dir: Vec3) {
-        let folded = octahedron(dir);
-        for x in [folded.x, folded.y] {
-            self.bytes.extend((((0.5 * x + 0.5) * 65535.0).round() as u16).to_le_bytes());
-        }
+    fn number(&mut self, number: f32) {
+        self.bytes.extend(number.to_le_bytes());
     }
 
-    fn length(&mut self, length: f32) {
-        let bits = (length.to_bits() & 0x7fff_ffff).saturating_add(1 << 6) >> 7;
-        self.bytes.extend(&bits.to_le_bytes()[..3]);
+    fn vector(&mut self, vector: Vec3) {
+        vector.to_array().into_iter().for_each(|x| self.number(x));
+    }
+
+    fn normal(&mut self, normal: Vec3) {
+        let folded = octahedron(normal);
+        for x in [folded.x, folded.y] {
+            self.bytes.extend(((x * NORMAL_STEPS).round() as i16).to_le_bytes());
+        }
     }
 
     fn rgb(&mut self, value: Vec3) {
@@ -221,9 +224,7 @@ impl<'b> Decoder<'b> {
     pub fn starts(&mut self) -> Decoded<Vec<Vertex>> {
         let count = self.count()?;
         let vertex = |_| {
-            let mut number = || Ok(f32::from_le_bytes(self.take()?));
-            let origin = Vec3::new(number()?, number()?, number()?);
-            Ok(Vertex { origin, normal_geom: self.direction()?, normal_shading: self.direction()? })
+            Ok(Vertex { origin: self.vector()?, normal_geom: self.normal()?, normal_shading: self.normal()? })
         };
         (0..count).map(vertex).collect()
     }
@@ -233,7 +234,7 @@ impl<'b> Decoder<'b> {
         let index = self.count()? as usize;
         let start = starts.get(index).ok_or(Damage::Short)?;
         let [straights] = self.take()?;
-        path.start = self.visit(Visit::at(start, None))?.lifted();
+        path.start = self.visit(Visit::at(start, None))?;
         path.straight.clear();
         for _ in 0..straights {
             let straight = self.straight()?;
@@ -241,38 +242,26 @@ impl<'b> Decoder<'b> {
         }
         for chain in &mut path.chains {
             chain.clear();
-            let mut before = path.start;
             for _ in 0..self.count()? {
-                let link = self.link(&before)?;
-                before = link.visit;
+                let link = self.link()?;
                 chain.push(link);
             }
         }
         Ok(index)
     }
 
-    fn link(&mut self, before: &Visit) -> Decoded<Link> {
+    fn link(&mut self) -> Decoded<Link> {
         let seen = self.visit(Visit::default())?;
         let [is_beside] = self.take()?;
         let way = if is_beside == 0 {
             Way::Ahead
         } else {
-            let dir = self.direction()?;
-            // Not below the plane on which it lies.
-            let dir = (dir - dir.dot(before.normal).min(0.0) * before.normal).normalize_or(dir);
-            Way::Beside { dir, length: self.length()? }
+            Way::Beside { dir: self.vector()?, length: self.number()? }
         };
-        let weight = self.strength()?;
-        let (axis, reflect, normal) = (self.direction()?, self.rgb()?, self.direction()?);
+        let step = Step { way, weight: self.strength()?, axis: self.normal()?, reflect: self.rgb()? };
+        let (origin, normal) = (self.vector()?, self.normal()?);
         let station = Some(u16::from_le_bytes(self.take()?)).filter(|&s| s != NOWHERE).map(u32::from);
-        let (dir, length) = match (way, &before.look) {
-            (Way::Beside { dir, length }, _) => (dir, length),
-            (Way::Ahead, Some(look)) => (look.dir, look.length),
-            (Way::Ahead, None) => return Err(Damage::Short),
-        };
-        let origin = before.origin + length * (dir + LIFT * normal);
-        let visit = Visit { origin, normal, station, ..seen }.lifted();
-        Ok(Link { step: Step { way, weight, axis, reflect }, visit })
+        Ok(Link { step, visit: Visit { origin, normal, station, ..seen } })
     }
 
     /// `visit` with what is seen from it.
@@ -283,16 +272,16 @@ impl<'b> Decoder<'b> {
             visit.straight = Some(self.straight()?);
         }
         if flags & has::ONCE != 0 {
-            let (dir, distance, towards) = (self.direction()?, self.length()?, self.direction()?);
-            visit.once = Some(Once { dir, distance, towards, rest: self.length()?, strength: self.rgb()? });
+            let (dir, distance, towards) = (self.vector()?, self.number()?, self.vector()?);
+            visit.once = Some(Once { dir, distance, towards, rest: self.number()?, strength: self.rgb()? });
         }
         if flags & has::LOBE != 0 {
             let emitter = self.index(self.limits.emitters)?;
-            let (dir, length, axis) = (self.direction()?, self.length()?, self.direction()?);
+            let (dir, length, axis) = (self.vector()?, self.number()?, self.normal()?);
             visit.lobe = Some(Lobe { emitter, dir, length, axis, strength: self.rgb()? });
         }
         if flags & has::LOOK != 0 {
-            let (dir, length) = (self.direction()?, self.length()?);
+            let (dir, length) = (self.vector()?, self.number()?);
             let glow = if flags & has::GLOW != 0 { self.rgb()? } else { Vec3::ZERO };
             let sky = if flags & has::SKY != 0 { self.rgb()? } else { Vec3::ZERO };
             let sun = if flags & has::SUN != 0 { Some(self.sunlit()?) } else { None };
@@ -302,11 +291,11 @@ impl<'b> Decoder<'b> {
     }
 
     fn sunlit(&mut self) -> Decoded<Sunlit> {
-        Ok(Sunlit { light: self.index(self.limits.lights)?, distance: self.length()?, strength: self.rgb()? })
+        Ok(Sunlit { light: self.index(self.limits.lights)?, distance: self.number()?, strength: self.rgb()? })
     }
 
     fn straight(&mut self) -> Decoded<Straight> {
-        Ok(Straight { dir: self.direction()?, length: self.length()?, irradiance: self.rgb()? })
+        Ok(Straight { dir: self.vector()?, length: self.number()?, irradiance: self.rgb()? })
     }
 
     #[inline]
@@ -327,16 +316,19 @@ impl<'b> Decoder<'b> {
     }
 
     #[inline]
-    fn direction(&mut self) -> Decoded<Vec3> {
-        let [a, b, c, d] = self.take()?;
-        let of = |bytes| f32::from(u16::from_le_bytes(bytes)) * (2.0 / 65535.0) - 1.0;
-        Ok(unfold(Vec2::new(of([a, b]), of([c, d]))))
+    fn number(&mut self) -> Decoded<f32> {
+        Ok(f32::from_le_bytes(self.take()?))
     }
 
     #[inline]
-    fn length(&mut self) -> Decoded<f32> {
-        let [a, b, c] = self.take()?;
-        Ok(f32::from_bits(u32::from_le_bytes([a, b, c, 0]) << 7))
+    fn vector(&mut self) -> Decoded<Vec3> {
+        Ok(Vec3::new(self.number()?, self.number()?, self.number()?))
+    }
+
+    #[inline]
+    fn normal(&mut self) -> Decoded<Vec3> {
+        let mut of = || Ok(f32::from(i16::from_le_bytes(self.take()?)) / NORMAL_STEPS);
+        Ok(unfold(Vec2::new(of()?, of()?)))
     }
 
     #[inline]
@@ -348,14 +340,6 @@ impl<'b> Decoder<'b> {
     #[inline]
     fn strength(&mut self) -> Decoded<f32> {
         Ok(f32::from_bits(u32::from(u16::from_le_bytes(self.take()?)) << 15))
-    }
-}
-
-impl Visit {
-    /// Lifted by the error of the leg to an emitter, which may lie in the vertex's own plane and in the border of the air.
-    fn lifted(self) -> Self {
-        let length = self.lobe.map_or(0.0, |lobe| lobe.length);
-        Self { origin: self.origin + LIFT * length * self.normal, ..self }
     }
 }
 
@@ -412,7 +396,7 @@ mod tests {
             once: Some(once),
             lobe: Some(lobe),
             look: Some(look(2.0, sun)),
-            ..Visit::default()
+            origin: 5.0 * direction(10),
         };
         let step = |way| Step { way, weight: 0.5, axis: direction(8), reflect: 0.3 * colour };
         let beside = Way::Beside { dir: direction(9), length: 0.2 };
@@ -452,24 +436,24 @@ mod tests {
             assert_eq!(got.chains[0][0].visit.station, Some(77));
             assert_eq!(a.visit.station, None);
             let (a, b) = (got.start.look.unwrap(), want.start.look.unwrap());
-            assert!(a.dir.angle_between(b.dir) < 6.4e-5 && (a.length / b.length - 1.0).abs() < 1e-5);
+            assert_eq!((a.dir, a.length), (b.dir, b.length));
             assert!(got.straight[0].length.is_infinite());
             near(a.sun.unwrap().strength, b.sun.unwrap().strength);
-            let place = got.start.origin + a.dir * a.length;
-            assert!(got.chains[0][0].visit.origin.distance(place) < 2.0 * LIFT * a.length);
+            assert_eq!(got.chains[0][0].visit.origin, want.chains[0][0].visit.origin);
         }
     }
 
     #[test]
-    fn octahedra_turn_directions_by_little_everywhere() {
-        let mut worst = 0.0f32;
-        let axes = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|a| [a, -a]);
-        for dir in axes.chain((0..20_000).map(direction)) {
+    fn octahedra_turn_normals_by_little_everywhere() {
+        let turned = |normal: Vec3| {
             let mut encoder = Encoder::new(0);
-            encoder.direction(dir);
-            let got = Decoder::new(encoder.bytes(), LIMITS).direction().expect("four bytes");
-            worst = worst.max(got.distance(dir));
+            encoder.normal(normal);
+            Decoder::new(encoder.bytes(), LIMITS).normal().expect("four bytes").distance(normal)
+        };
+        for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+            assert_eq!([turned(axis), turned(-axis)], [0.0; 2]);
         }
+        let worst = (0..20_000).map(|i| turned(direction(i))).fold(0.0, f32::max);
         assert!((1e-6..6.4e-5).contains(&worst), "{worst}");
     }
 
