@@ -65,8 +65,11 @@ fn refog(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, 
     let package = stopwatch.time("check the package", || Package::open(&args.package))?;
     let paths = package.path(&paths_of(&package)?);
     let scene_file = args.scene_file(&package)?;
-    let settings = settings_of(&package, &scene_file, media)?;
-    let job = Job::prepare(&scene_file, settings, progress)?;
+    let mut settings = settings_of(&package, &scene_file, media)?;
+    let left_out = leave_out(&mut settings);
+    settings.check()?;
+    let mut job = Job::prepare(&scene_file, settings, progress)?;
+    job.warnings.extend(left_out);
     job.seconds.iter().for_each(|&(stage, seconds)| stopwatch.add(stage, seconds));
     let output = Output::open(folder, &job.scene.name)?;
     progress.stage("build trees", 0);
@@ -168,17 +171,24 @@ fn settings_of(package: &Package, scene: &Path, media: Vec<Medium>) -> Result<Se
             "put it there",
         )
     })?;
-    let settings = Settings {
+    Ok(Settings {
         media: Some(media),
         mode: Mode::Tables,
-        probes: None,
-        fog_volume: None,
-        keep_vacuum: false,
         keep_paths: false,
         // Kept paths leave nothing out.
         tolerance: 0.0,
         ..kept
-    };
-    settings.check()?;
-    Ok(settings)
+    })
+}
+
+/// Takes from the settings what kept paths cannot answer, with a warning of it.
+fn leave_out(settings: &mut Settings) -> Option<String> {
+    let asked = [
+        ("probes", settings.probes.take().is_some()),
+        ("fog volume", settings.fog_volume.take().is_some()),
+        ("vacuum", std::mem::take(&mut settings.keep_vacuum)),
+    ];
+    let names: Vec<_> = asked.into_iter().filter(|(_, is_asked)| *is_asked).map(|(name, _)| name).collect();
+    let again = "no paths are kept for them; `bake run` with the new air makes them";
+    (!names.is_empty()).then(|| format!("the package is written without {}: {again}", names.join(", ")))
 }

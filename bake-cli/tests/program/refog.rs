@@ -16,10 +16,10 @@ fn light(desk: &Desk, folder: &str) -> f64 {
 #[test]
 fn other_air_is_given_to_a_kept_bake() {
     let desk = Desk::with_room();
-    desk.bake(&format!("run room.glb {SMALL} --keep-paths")).expect(0, &[]);
+    desk.bake(&format!("run room.glb {SMALL} --keep-paths --keep-vacuum --probes 1")).expect(0, &[]);
     let fog = "--fog sigma_t=0.6,albedo=0.7";
     let ended = desk.bake(&format!("refog room.bake {fog} -o foggy"));
-    ended.expect(0, &[]);
+    ended.expect(0, &["written without probes, vacuum", "bake run"]);
     assert!(ended.out.contains("fold"), "{}", ended.out);
     desk.bake(&format!("run room.glb {SMALL} --mode tables {fog} -o truth")).expect(0, &[]);
     let [kept, folded, baked] = ["room.bake", "foggy", "truth"].map(|folder| light(&desk, folder));

@@ -223,9 +223,8 @@ impl<'b> Decoder<'b> {
     /// The places where the paths of a texel start.
     pub fn starts(&mut self) -> Decoded<Vec<Vertex>> {
         let count = self.count()?;
-        let vertex = |_| {
-            Ok(Vertex { origin: self.vector()?, normal_geom: self.normal()?, normal_shading: self.normal()? })
-        };
+        let vertex =
+            |_| Ok(Vertex { origin: self.vector()?, normal_geom: self.normal()?, normal_shading: self.normal()? });
         (0..count).map(vertex).collect()
     }
 
@@ -253,11 +252,7 @@ impl<'b> Decoder<'b> {
     fn link(&mut self) -> Decoded<Link> {
         let seen = self.visit(Visit::default())?;
         let [is_beside] = self.take()?;
-        let way = if is_beside == 0 {
-            Way::Ahead
-        } else {
-            Way::Beside { dir: self.vector()?, length: self.number()? }
-        };
+        let way = if is_beside == 0 { Way::Ahead } else { Way::Beside { dir: self.vector()?, length: self.number()? } };
         let step = Step { way, weight: self.strength()?, axis: self.normal()?, reflect: self.rgb()? };
         let (origin, normal) = (self.vector()?, self.normal()?);
         let station = Some(u16::from_le_bytes(self.take()?)).filter(|&s| s != NOWHERE).map(u32::from);
