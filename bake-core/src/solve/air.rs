@@ -13,12 +13,12 @@ use super::warp;
 use crate::scene::Light;
 use crate::trace::Ray;
 use glam::Vec3;
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Stretch over which lamps are compared where the air has no end, metres.
 const LONGEST_STRETCH: f32 = 1e6;
 /// Largest angle from the foot of a lamp on a leg without end, radians: keeps tangents finite.
-const WIDEST: f32 = 1.570_7;
+const WIDEST: f32 = FRAC_PI_2 - 1e-4;
 
 /// Where a path stands before a leg.
 pub(super) struct Step {

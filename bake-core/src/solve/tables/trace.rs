@@ -128,16 +128,16 @@ impl Recorder<'_, '_, '_> {
     /// on. Scattering is taken as `e^(−x)/x` times the inverse square.
     fn nominal(&self, visit: &Visit, step: &Step) -> f32 {
         let scattered = |x: f32| NOMINAL * step.weight / (self.view.wall * self.view.wall) * (-x).exp() / x;
-        match (step.way, &visit.look) {
+        let weight = match (step.way, &visit.look) {
             (Way::Beside { length, .. }, _) => scattered(length / self.view.wall),
             (Way::Ahead, Some(look)) => {
                 let (x, cos) = (look.length / self.view.wall, look.dir.dot(visit.normal));
                 (-x).exp() * cos / mixed_pdf(cos) + scattered(x)
             }
             (Way::Ahead, None) => 0.0,
-        }
-        .max(0.0)
-        .min(f32::MAX)
+        };
+        // Also of no number, where points coincide.
+        if weight > 0.0 { weight.min(f32::MAX) } else { 0.0 }
     }
 
     /// What a vertex receives of finite emitters through the air. A path's later vertices draw one of two estimates.

@@ -117,7 +117,7 @@ fn kept_paths_with_their_own_air_are_the_same_bake() {
         let (baked, file) = keep(&scene, &air, &settings(128, 1));
         let folded = fold(&scene, &air, &settings(128, 1), &file).expect("folded");
         // Strengths are rounded by up to 0.4 % at random, and texels sum hundreds of them.
-        let mut worst = Worst::new(&format!("{name} folded with the same air, relative by texel"), 4e-3);
+        let mut worst = Worst::new(format!("{name} folded with the same air, relative by texel"), 4e-3);
         let (a, b) = (&folded.pages[0], &baked.pages[0]);
         for at in 0..(SIZE * SIZE) as usize {
             let (got, want) = (a.total(at), b.total(at));
