@@ -58,7 +58,7 @@ pub fn report(measured: &Measured, global: &Global) -> Outcome {
     if global.json {
         println!("{}", serde_json::to_string_pretty(measured).expect("plain data becomes JSON"));
     } else if !global.quiet {
-        print!("{}{}", measured.table(), explain_text::text(&measured));
+        print!("{}{}", measured.table(), explain_text::text(measured));
     }
     if measured.lightless_texels == 0 { Outcome::Done } else { Outcome::DoneWithGaps }
 }
