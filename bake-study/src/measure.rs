@@ -6,8 +6,10 @@
 //! standard error of the bias = sqrt(Σ(σ_b² + σ_t²))/Σt.
 
 use crate::clock::Clock;
-use crate::sweep::{AirChange, Point};
+use crate::point::{AirChange, Point};
+use bake_core::air::Air;
 use bake_core::job::Job;
+use bake_core::plan::reduce;
 use bake_core::progress::{Interrupted, Progress};
 use bake_core::solve::buffers::{PageBuffers, Validity};
 use bake_core::solve::{Lightmap, Solver};
@@ -52,7 +54,7 @@ impl<'a> Bench<'a> {
     /// [`Interrupted`] when the progress asks to stop.
     pub fn bake(&self, point: &Point, progress: &dyn Progress) -> Result<Baked, Interrupted> {
         let settings = point.solver_settings(&self.job.settings);
-        let media = changed(&self.job.air.media, point.air);
+        let media = changed(&self.job.air, point.air);
         let start = self.clock.start();
         let solver = Solver::prepare(&self.tracer, &media, &settings, progress)?;
         let prepare_seconds = start.seconds();
@@ -82,10 +84,11 @@ impl<'a> Bench<'a> {
 }
 
 /// The air with a change.
-fn changed(air: &MediumSet, change: AirChange) -> MediumSet {
-    let mut air = air.clone();
+fn changed(whole: &Air, change: AirChange) -> MediumSet {
+    let mut air = whole.media.clone();
     match change {
-        AirChange::AsIs | AirChange::Once => {}
+        AirChange::AsIs | AirChange::Collisions(_) => {}
+        AirChange::Uniform => air = reduce::homogeneous(whole).media,
         AirChange::None => air.media.clear(),
         AirChange::Scattering(factor) => air.media.iter_mut().for_each(|medium| {
             let (sigma_t, sigma_s) = (medium.scatter.sigma_t(), medium.scatter.sigma_s.map(|s| s * factor));
@@ -242,7 +245,7 @@ mod tests {
             scatter: Scatter { sigma_s: [0.6; 3], sigma_a: [0.4; 3] },
             ..Default::default()
         };
-        let air = MediumSet { media: vec![medium] };
+        let air = Air { media: MediumSet { media: vec![medium] }, ..Air::default() };
         let scatter = |change| changed(&air, change).media[0].scatter;
         assert_eq!(scatter(AirChange::Scattering(0.5)).sigma_t(), [1.0; 3]);
         assert_eq!(scatter(AirChange::Scattering(0.0)).sigma_s, [0.0; 3]);

@@ -3,7 +3,8 @@
 
 use crate::error::StudyError;
 use crate::measure::{Baked, Errors, Page};
-use crate::sweep::{AirChange, Point, Stop};
+use crate::point::{AirChange, Point, Stop};
+use bake_core::solve::Mode;
 use bake_formats::float_image::{FloatImage, PixelFormat, Quantity};
 use bake_formats::package::write_atomic;
 use glam::Vec3;
@@ -34,6 +35,12 @@ pub struct Row {
     pub cells: Option<u32>,
     /// Walks a node of the light grid.
     pub walks: Option<u32>,
+    /// Distances at which tables are read.
+    pub bins: Option<usize>,
+    /// Degrees below which tables are read.
+    pub bands: Option<usize>,
+    /// Collisions up to which tables are summed, where that was not left to the scene.
+    pub orders: Option<usize>,
     /// Seed.
     pub seed: u32,
     /// Seconds of the bake without loading and layout.
@@ -66,6 +73,7 @@ impl Row {
     /// Of one measurement.
     pub fn new(key: String, point: &Point, baked: &Baked, spread: f64, errors: &Errors) -> Self {
         let reports = &baked.lightmap.reports;
+        let tables = (point.mode == Mode::Tables).then_some(point.tables);
         Self {
             key,
             mode: point.mode.name().into(),
@@ -76,11 +84,15 @@ impl Row {
             air: match point.air {
                 AirChange::AsIs => "as set".into(),
                 AirChange::None => "none".into(),
-                AirChange::Once => "scattered once".into(),
+                AirChange::Collisions(most) => format!("at most {most} collisions"),
+                AirChange::Uniform => "one density".into(),
                 AirChange::Scattering(factor) => format!("scattering × {factor}"),
             },
             cells: point.grid.map(|[cells, _]| cells),
             walks: point.grid.map(|[_, walks]| walks),
+            bins: tables.map(|tables| tables.bins),
+            bands: tables.map(|tables| tables.bands),
+            orders: tables.and_then(|tables| tables.orders),
             seed: point.seed,
             seconds: baked.seconds,
             prepare_seconds: baked.prepare_seconds,
@@ -253,7 +265,7 @@ pub fn hash(parts: &[&str]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bake_core::solve::Mode;
+    use crate::point::Tables;
 
     fn point(samples: u32) -> Point {
         Point {
@@ -262,6 +274,7 @@ mod tests {
             bounces: None,
             air: AirChange::AsIs,
             grid: None,
+            tables: Tables::default(),
             seed: 0,
         }
     }

@@ -1,12 +1,14 @@
 //! The whole study: the reference, every point that is not known yet, the page.
 
 use crate::clock::Clock;
+use crate::effort::Effort;
 use crate::error::StudyError;
 use crate::measure::{Bench, Errors, Page};
+use crate::point::{AirChange, Point};
 use crate::report;
 use crate::store::{Row, Store, hash};
 use crate::summary::Summary;
-use crate::sweep::{self, AirChange, Effort, Group, Point};
+use crate::sweep::{self, Group};
 use crate::thumbnails;
 use bake_core::atlas::AtlasError;
 use bake_core::fingerprint;

@@ -2,9 +2,10 @@
 
 use crate::measure::Errors;
 use crate::pareto;
+use crate::point::Point;
 use crate::store::{Row, Store};
 use crate::study::Study;
-use crate::sweep::{Group, Kind, Point, Series};
+use crate::sweep::{Group, Kind, Series};
 use bake_core::job::Job;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;

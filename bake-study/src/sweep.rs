@@ -3,114 +3,13 @@
 //! A [`Group`] is one plot with its table; its [`Series`] are the plot's lines. Points that stand in several groups are
 //! measured once.
 
+use crate::effort::Effort;
+use crate::point::{AirChange, Point, Stop, Tables};
 use bake_core::job::Job;
 use bake_core::plan::Choice;
-use bake_core::settings::{Quality, Settings};
+use bake_core::settings::Settings;
+use bake_core::solve::Mode;
 use bake_core::solve::grid::GridSettings;
-use bake_core::solve::{LightmapSettings, Mode};
-use serde::Serialize;
-
-/// How much a study may take.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Effort {
-    /// Largest width and height of the page that all must fit on; the settings' own pages when absent.
-    pub page: Option<u32>,
-    /// Samples per texel of the reference.
-    pub reference_samples: u32,
-    /// Samples per texel of the modes' lines.
-    pub samples: Vec<u32>,
-    /// Samples per texel where something else is varied.
-    pub fixed_samples: u32,
-    /// Standard errors asked for.
-    pub targets: Vec<f32>,
-    /// Cells along a side and walks a node of the light grid.
-    pub grids: Vec<[u32; 2]>,
-}
-
-impl Effort {
-    /// Minutes: one small page.
-    pub fn quick() -> Self {
-        Self {
-            page: Some(96),
-            reference_samples: 8192,
-            samples: vec![8, 32, 128, 512, 2048],
-            fixed_samples: 256,
-            targets: vec![0.1, 0.04, 0.02],
-            grids: vec![[4, 256], [8, 256], [12, 64], [12, 256], [12, 1024], [16, 256]],
-        }
-    }
-
-    /// What it takes: the settings' own pages.
-    pub fn thorough() -> Self {
-        Self {
-            page: None,
-            reference_samples: 65536,
-            samples: vec![8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192],
-            fixed_samples: 1024,
-            targets: vec![0.1, 0.04, 0.02, 0.01],
-            grids: [4, 8, 12, 18, 24]
-                .into_iter()
-                .flat_map(|cells| [128, 512, 2048].map(|walks| [cells, walks]))
-                .collect(),
-        }
-    }
-
-    /// With another reference; points that it could not judge are left out.
-    pub fn with_reference(mut self, samples: u32) -> Self {
-        self.reference_samples = samples;
-        self.samples.retain(|&point| point <= samples / 4);
-        self.fixed_samples = self.fixed_samples.min(samples / 4);
-        self
-    }
-
-    /// The settings with pages of this effort.
-    pub fn pages(&self, mut settings: Settings) -> Settings {
-        if let Some(page) = self.page {
-            settings.page_size = settings.page_size.min(page);
-            settings.max_pages = Some(1);
-        }
-        settings
-    }
-}
-
-/// Where sampling ends.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub enum Stop {
-    /// After so many samples per texel.
-    Samples(u32),
-    /// At this standard error, within the range of samples of the preset that asks for it.
-    Error(f32),
-}
-
-/// What is done to the air.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub enum AirChange {
-    /// Nothing.
-    AsIs,
-    /// It is taken away.
-    None,
-    /// Scattering times a factor, extinction kept: 0 is attenuation only.
-    Scattering(f64),
-    /// Light scatters at most once between two surfaces.
-    Once,
-}
-
-/// One way to bake.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Point {
-    /// Solver of the air.
-    pub mode: Mode,
-    /// Samples.
-    pub stop: Stop,
-    /// Most reflections.
-    pub bounces: Option<u32>,
-    /// The air.
-    pub air: AirChange,
-    /// Cells and walks of the grid, where the mode has one.
-    pub grid: Option<[u32; 2]>,
-    /// Seed.
-    pub seed: u32,
-}
 
 /// A line of a plot.
 #[derive(Debug, Clone, PartialEq)]
@@ -139,8 +38,12 @@ pub enum Kind {
     Bounces,
     /// Collisions.
     Scattering,
+    /// Density that changes from place to place.
+    Unevenness,
     /// Cells and walks of the light grid.
     Grid,
+    /// Distances, degrees and orders of the tables.
+    Tables,
     /// Standard error asked for.
     Target,
     /// Settings that are wrong on purpose.
@@ -158,11 +61,19 @@ impl Kind {
             Self::Bounces => ["Reflections", "What leaving out later reflections costs in error and saves in time."],
             Self::Scattering => [
                 "Scattering",
-                "No air at all, air that only weakens, light scattered at most once between two surfaces (these by walks), and any number of times.",
+                "No air at all, air that only weakens, light scattered at most once, twice and ten times between two surfaces (these by walks), and any number of times.",
+            ],
+            Self::Unevenness => [
+                "Uneven air",
+                "Tables see uniform air of its own mean density along each ray, walks and the grid the air as it is; last, walks in air of one density.",
             ],
             Self::Grid => {
                 ["Cells and walks of the light grid", "Error of mode `grid` by cells along a side and walks a node."]
             }
+            Self::Tables => [
+                "Tables",
+                "Error of mode `tables` by the distances at which they are read, the degrees of their harmonics, and the collisions up to which they are summed. Factors that the mode measures in the scene take most of what is left out on themselves.",
+            ],
             Self::Target => [
                 "Error asked for",
                 "Asked: the target. Stated: what the bake says of itself, its standard error over the larger of texel and median. Measured: the relative RMSE against the reference, whose denominator falls to a hundredth of the mean, so that dark texels weigh more.",
@@ -183,7 +94,10 @@ pub fn groups(job: &Job, effort: &Effort) -> Vec<Group> {
     let base = Base::new(job);
     let mut groups = vec![base.samples(effort), base.bounces(effort)];
     if base.scatters {
-        groups.extend([base.scattering(effort), base.grids(effort)]);
+        groups.extend([base.scattering(effort), base.grids(effort), base.tables(effort)]);
+        if base.is_uneven {
+            groups.push(base.unevenness(effort));
+        }
     } else if base.has_air {
         groups.push(base.scattering(effort));
     }
@@ -199,6 +113,7 @@ pub fn reference(settings: &Settings, effort: &Effort) -> Point {
         bounces: settings.bounces,
         air: AirChange::AsIs,
         grid: None,
+        tables: Tables::default(),
         seed: settings.seed ^ REFERENCE_SEED,
     }
 }
@@ -209,6 +124,7 @@ struct Base {
     grid: [u32; 2],
     has_air: bool,
     scatters: bool,
+    is_uneven: bool,
 }
 
 impl Base {
@@ -223,9 +139,11 @@ impl Base {
             bounces: settings.bounces,
             air: AirChange::AsIs,
             grid: None,
+            tables: Tables::default(),
             seed: settings.seed,
         };
-        Self { point, grid: [cells, samples], has_air, scatters: has_air && job.air.scatters() }
+        let scatters = has_air && job.air.scatters();
+        Self { point, grid: [cells, samples], has_air, scatters, is_uneven: !job.air.is_homogeneous() }
     }
 
     fn with_mode(&self, mode: Mode, stop: Stop) -> Point {
@@ -274,7 +192,9 @@ impl Base {
         };
         let mut series = vec![line("no air", AirChange::None), line("attenuation only", AirChange::Scattering(0.0))];
         if self.scatters {
-            series.extend([line("scattered once", AirChange::Once), line("all orders", AirChange::AsIs)]);
+            let cut = [("scattered once", 1), ("twice", 2), ("ten times", 10)];
+            series.extend(cut.map(|(name, most)| line(name, AirChange::Collisions(most))));
+            series.push(line("all orders", AirChange::AsIs));
         }
         Group { kind: Kind::Scattering, series }
     }
@@ -286,6 +206,36 @@ impl Base {
         };
         let points = effort.grids.iter().map(point).collect();
         Group { kind: Kind::Grid, series: vec![Series { name: "grid".into(), points }] }
+    }
+
+    fn tables(&self, effort: &Effort) -> Group {
+        let whole = Tables::default();
+        let line = |name: &str, values: &[usize], change: &dyn Fn(usize) -> Tables| {
+            let point = |&value: &usize| {
+                let point = self.with_mode(Mode::Tables, Stop::Samples(effort.fixed_samples));
+                (format!("{value} {name}"), Point { tables: change(value), ..point })
+            };
+            Series { name: name.into(), points: values.iter().map(point).collect() }
+        };
+        let series = vec![
+            line("distances", &effort.bins, &|bins| Tables { bins, ..whole }),
+            line("bands", &effort.bands, &|bands| Tables { bands, ..whole }),
+            line("collisions", &effort.orders, &|orders| Tables { orders: Some(orders), ..whole }),
+        ];
+        Group { kind: Kind::Tables, series }
+    }
+
+    fn unevenness(&self, effort: &Effort) -> Group {
+        let line = |name: &str, mode, air| {
+            let point = |&samples: &u32| {
+                (format!("{name}, {samples} samples"), Point { air, ..self.with_mode(mode, Stop::Samples(samples)) })
+            };
+            Series { name: name.into(), points: effort.samples.iter().map(point).collect() }
+        };
+        let mut series =
+            [Mode::Walk, Mode::Grid, Mode::Tables].map(|mode| line(mode.name(), mode, AirChange::AsIs)).to_vec();
+        series.push(line("walk, one density", Mode::Walk, AirChange::Uniform));
+        Group { kind: Kind::Unevenness, series }
     }
 
     fn targets(&self, effort: &Effort) -> Group {
@@ -305,55 +255,9 @@ impl Base {
     }
 }
 
-impl Point {
-    /// What the solver is told.
-    pub fn solver_settings(&self, settings: &Settings) -> LightmapSettings {
-        let mut solver = settings.lightmap_settings();
-        match self.stop {
-            Stop::Samples(samples) => (solver.min_samples, solver.max_samples) = (samples, samples),
-            Stop::Error(target) => {
-                solver.target_error = target;
-                (solver.min_samples, solver.max_samples) = preset(target).sample_range();
-            }
-        }
-        (solver.bounces, solver.seed, solver.mode) = (self.bounces, self.seed, self.mode);
-        solver.multiple = self.air != AirChange::Once;
-        if let Some([cells, samples]) = self.grid {
-            solver.grid = GridSettings { cells, samples };
-        }
-        solver
-    }
-
-    /// Samples per texel that it will take, about.
-    pub fn likely_samples(&self) -> u32 {
-        match self.stop {
-            Stop::Samples(samples) => samples,
-            Stop::Error(target) => {
-                let (floor, cap) = preset(target).sample_range();
-                (target.powi(-2) as u32).clamp(floor, cap)
-            }
-        }
-    }
-}
-
-/// The coarsest preset that is at least as exact.
-fn preset(target: f32) -> Quality {
-    let fitting =
-        Quality::ALL.into_iter().map(|(_, quality)| quality).find(|quality| quality.relative_error() <= target);
-    fitting.unwrap_or(Quality::Final)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_target_takes_the_range_of_the_preset_that_asks_for_it() {
-        assert_eq!(
-            [0.2, 0.1, 0.05, 0.04, 0.01, 0.001].map(preset),
-            [Quality::Preview, Quality::Preview, Quality::Medium, Quality::Medium, Quality::Final, Quality::Final]
-        );
-    }
 
     #[test]
     fn no_point_draws_the_references_numbers() {

@@ -4,8 +4,9 @@
 use bake_core::progress::{Progress, Silent};
 use bake_core::settings::{Bounds, Density, Medium, Mode, Phase, Quality, Scatter, Settings};
 use bake_study::clock::Clock;
+use bake_study::effort::Effort;
 use bake_study::summary::Summary;
-use bake_study::sweep::{Effort, Kind};
+use bake_study::sweep::Kind;
 use bake_study::{Study, StudyError, run};
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -19,6 +20,9 @@ fn effort() -> Effort {
         fixed_samples: 64,
         targets: vec![0.2],
         grids: vec![[3, 16]],
+        bins: vec![256],
+        bands: vec![3],
+        orders: vec![],
     }
 }
 
@@ -82,8 +86,22 @@ fn a_study_of_fog_repeats_and_goes_on_where_it_was() {
     assert_eq!(silent.expect("all is there"), gone_on);
     assert_eq!(summary.modes.len(), 3);
     assert!(summary.modes.iter().all(|mode| mode.overhead.is_some()));
-    assert_page(&once.folder, 6);
+    assert_page(&once.folder, 7);
     assert_honest(&summary, 2);
+    assert_fewer_collisions_are_darker(&once.folder);
+}
+
+/// What leaving out later collisions takes away falls with their number, and is gone at ten.
+fn assert_fewer_collisions_are_darker(folder: &Path) {
+    let rows = read_csv(&folder.join("points.csv"));
+    let bias = |most: u32| {
+        let air = format!("at most {most} collisions");
+        let row = rows.iter().find(|row| row.text("air") == air && row.text("samples") == "64").expect("measured");
+        (row.number("bias"), row.number("bias_error"))
+    };
+    let [once, twice, ten] = [1, 2, 10].map(bias);
+    println!("bias of at most 1, 2, 10 collisions: {once:?} {twice:?} {ten:?}");
+    assert!(once.0 < -4.0 * once.1 && once.0 < twice.0 && twice.0 < ten.0 && ten.0.abs() < 4.0 * ten.1);
 }
 
 #[test]

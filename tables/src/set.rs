@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use bake_formats::table_file::{TableFile, TableFileError};
 
-use crate::axial::{ALL_DEGREES, HARMONIC_COUNT};
+use crate::axial::{ALL_DEGREES, HARMONIC_COUNT, HARMONICS};
 use crate::curves::{Curves, Shape};
 use crate::recipe::Recipe;
 use crate::{axial, fitted, resample};
@@ -79,6 +79,36 @@ impl TableSet {
             tables.push(resample::distances(&curves, recipe.read_grid()));
         }
         Ok(Self { recipe, tables })
+    }
+
+    /// The same read at `bins` ≥ 16 distances and cut to degrees l < `bands`: what less memory costs. (Tables of an actual phase
+    /// function keep their own distances and degrees.)
+    pub fn reduced(&self, bins: usize, bands: usize) -> Self {
+        let recipe = Recipe { read_bins: bins.max(16), ..self.recipe };
+        let reduce = |(name, curves): (&&str, &Curves)| {
+            let mut curves = resample::distances(curves, recipe.read_grid());
+            let columns = curves.columns;
+            let degrees: Vec<usize> = (0..columns).map(|column| self.degree(name, column)).collect();
+            curves.values.chunks_exact_mut(columns).for_each(|row| {
+                row.iter_mut().zip(&degrees).filter(|(_, l)| **l >= bands).for_each(|(value, _)| *value = 0.0);
+            });
+            curves
+        };
+        Self { recipe, tables: NAMES.iter().zip(&self.tables).map(reduce).collect() }
+    }
+
+    /// Degree of a column of one of [`NAMES`].
+    fn degree(&self, name: &str, column: usize) -> usize {
+        let fitted = self.recipe.layout.criterion().is_some();
+        match name {
+            "area.single" if fitted => (column % fitted::COLUMNS) % fitted::BANDS,
+            "area.single" => HARMONICS[column % HARMONIC_COUNT].0,
+            "axial.orders" | "axial.all" => {
+                let curves = axial::curves(&ALL_DEGREES);
+                HARMONICS[curves[column % curves.len()].0].0
+            }
+            _ => column % self.recipe.bands,
+        }
     }
 
     /// The recipe behind the set.

@@ -7,7 +7,7 @@ use crate::input::{HELP_TEMPLATE, Input};
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
 use bake_study::clock::Clock;
-use bake_study::sweep::Effort;
+use bake_study::effort::Effort;
 use bake_study::{Study, StudyError, effects};
 use std::path::{Path, PathBuf};
 

@@ -6,7 +6,7 @@ pub mod budget;
 pub mod effects;
 mod lattices;
 mod mode;
-mod reduce;
+pub mod reduce;
 
 pub use effects::Effect;
 pub use lattices::Lattices;
@@ -192,7 +192,7 @@ pub(crate) fn leave_out(solver: &mut LightmapSettings, effects: &[Effect]) {
         solver.bounces = Some(0);
     }
     solver.environment = effects::is_on(effects, EffectName::Environment);
-    solver.multiple = effects::is_on(effects, EffectName::Multiple);
+    solver.collisions = if effects::is_on(effects, EffectName::Multiple) { None } else { Some(1) };
 }
 
 fn scene_size(scene: &Scene, atlas: &Atlas) -> SceneSize {

@@ -97,7 +97,7 @@ impl Settings {
             seed: self.seed,
             deadline: None,
             environment: true,
-            multiple: true,
+            collisions: None,
             mode: Mode::Walk,
             grid: self.quality.grid(),
             tables: Effort::default(),

@@ -26,6 +26,8 @@ pub(super) struct Step {
     pub dir: Vec3,
     pub throughput: Vec3,
     pub last_leg: LastLeg,
+    /// Since the last surface.
+    pub collisions: u32,
     pub is_first: bool,
 }
 
@@ -60,8 +62,7 @@ impl<M: Media> Paths<'_, '_, M> {
         counters: &Counters,
     ) -> Onward {
         let leg = Leg { origin: step.vertex.origin, dir: step.dir, length: arrival.distance };
-        let is_from_collision = !step.is_first && step.vertex.normal_geom == Vec3::ZERO;
-        if is_from_collision && !self.media.scatters_again() {
+        if !self.media.scatters_again(step.collisions) {
             arrival.weaken(self.media.transmittance(&leg));
             return Onward::Through;
         }
@@ -139,7 +140,7 @@ impl<M: Media> Paths<'_, '_, M> {
             straight
         };
         radiance[step.last_leg.of_collision()] += throughput * (straight + reflected);
-        if self.media.scatters_again() {
+        if self.media.scatters_again(1) {
             radiance[step.last_leg.of_collisions()] += throughput * collided;
         }
     }

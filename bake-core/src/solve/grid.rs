@@ -303,8 +303,8 @@ impl Media for Lit<'_, '_> {
     const PRESENT: bool = true;
     const CACHED: bool = true;
 
-    fn scatters_again(&self) -> bool {
-        self.fog.scatters_again()
+    fn scatters_again(&self, collisions: u32) -> bool {
+        self.fog.scatters_again(collisions)
     }
 
     fn transmittance(&self, leg: &Leg) -> Vec3 {

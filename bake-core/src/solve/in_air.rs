@@ -37,7 +37,7 @@ impl<'a> InAir<'a> {
         settings: &LightmapSettings,
         progress: &dyn Progress,
     ) -> Result<Self, Interrupted> {
-        let fog = Fog::new(media).scattering_again(settings.multiple);
+        let fog = Fog::new(media).colliding_at_most(settings.collisions);
         match settings.mode {
             Mode::Grid if fog.scatters => {
                 let (emitters, mut counts) = (emitters(tracer, settings), [0; 3]);

@@ -78,8 +78,9 @@ pub struct LightmapSettings {
     pub deadline: Option<Instant>,
     /// Whether the scene's environment shines.
     pub environment: bool,
-    /// Whether light is scattered more than once between surfaces; not known to [`Mode::Tables`].
-    pub multiple: bool,
+    /// Most collisions of light between two surfaces, at least 1; `None` sets no end. [`Mode::Grid`] knows 1 and no end,
+    /// [`Mode::Tables`] no end ([`Effort::orders`]).
+    pub collisions: Option<u32>,
     /// How light in the air is solved, where there is any.
     pub mode: Mode,
     /// The light grid of [`Mode::Grid`].
@@ -88,18 +89,24 @@ pub struct LightmapSettings {
     pub tables: Effort,
 }
 
-/// How much work the factors of [`Mode::Tables`] take.
+/// How much work the factors of [`Mode::Tables`] take, and how fine its tables are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
     /// Surface points at which they are measured.
     pub stations: usize,
     /// Directions per point.
     pub rays: u32,
+    /// Distances at which tables are read, at least 16.
+    pub bins: usize,
+    /// Degrees l below which tables are read.
+    pub bands: usize,
+    /// Collisions up to which tables are summed, of 2, 3, 5 and 10; `None` takes what the scene is nearest to.
+    pub orders: Option<usize>,
 }
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { stations: 2048, rays: 128 }
+        Self { stations: 2048, rays: 128, bins: 256, bands: 11, orders: None }
     }
 }
 
@@ -127,7 +134,7 @@ impl Default for LightmapSettings {
             seed: 0,
             deadline: None,
             environment: true,
-            multiple: true,
+            collisions: None,
             mode: Mode::Walk,
             grid: GridSettings { cells: 12, samples: 256 },
             tables: Effort::default(),

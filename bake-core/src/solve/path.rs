@@ -224,16 +224,17 @@ impl<M: Media> Paths<'_, '_, M> {
         let (mut vertex, mut dir, mut pdf, mut crossing, mut lobe) = (*start, dir, pdf, crossing, lobe);
         let mut throughput = Vec3::ONE;
         let mut draws = 1.0; // share of the strategies that were drawn at the vertex
-        let (mut bounce, mut last_leg) = (0, LastLeg::default());
+        let (mut bounce, mut last_leg, mut collisions) = (0, LastLeg::default(), 0);
         for leg in 0.. {
             let mut arrival = self.travel(vertex.origin, dir, crossing, counters);
             if M::PRESENT {
-                let step = Step { vertex, dir, throughput, last_leg, is_first: leg == 0 };
+                let step = Step { vertex, dir, throughput, last_leg, collisions, is_first: leg == 0 };
                 match self.cross_air(&step, &mut arrival, &mut radiance, air, counters) {
                     Onward::Collision(collision) if leg < LONGEST_WALK => {
                         (vertex, dir, pdf, draws) = (collision.vertex, collision.dir, collision.pdf, collision.draws);
                         (throughput, crossing) = (collision.throughput, collision.crossing);
                         last_leg.collisions += 1;
+                        collisions += 1;
                         continue;
                     }
                     Onward::Collision(_) => {
@@ -258,6 +259,7 @@ impl<M: Media> Paths<'_, '_, M> {
             vertex = next;
             throughput *= weight;
             last_leg.meet_surface();
+            collisions = 0;
 
             let [pick, u, v, survive] = sampler.next4();
             let strategies = self.emitters.strategies();

@@ -1,7 +1,7 @@
 //! What is measured.
 
 use bake_core::settings::{self, Bounds, Density, Medium, Phase, Scatter, Settings, SettingsError};
-use bake_study::sweep::Effort;
+use bake_study::effort::Effort;
 use std::path::Path;
 
 /// A scene in its air.

@@ -13,7 +13,7 @@ pub struct Fog<'a> {
     pub(in crate::solve) set: &'a MediumSet,
     /// Whether any of it scatters; what only absorbs needs no sampling.
     pub(in crate::solve) scatters: bool,
-    scatters_again: bool,
+    most_collisions: u32,
     /// The set in its simplest form, where it has that.
     pub(super) uniform: Option<UniformBox>,
 }
@@ -22,12 +22,12 @@ impl<'a> Fog<'a> {
     /// The sum of all media.
     pub fn new(set: &'a MediumSet) -> Self {
         let scatters = set.media.iter().any(is_scattering);
-        Self { set, scatters, scatters_again: true, uniform: UniformBox::of(set) }
+        Self { set, scatters, most_collisions: u32::MAX, uniform: UniformBox::of(set) }
     }
 
-    /// The same, where light may or may not collide again after a collision.
-    pub fn scattering_again(self, scatters_again: bool) -> Self {
-        Self { scatters_again, ..self }
+    /// The same, where light collides at most so often between two surfaces.
+    pub fn colliding_at_most(self, collisions: Option<u32>) -> Self {
+        Self { most_collisions: collisions.unwrap_or(u32::MAX), ..self }
     }
 
     /// Optical depth of a leg per channel.
@@ -48,8 +48,8 @@ impl<'a> Fog<'a> {
 impl Media for Fog<'_> {
     const PRESENT: bool = true;
 
-    fn scatters_again(&self) -> bool {
-        self.scatters_again
+    fn scatters_again(&self, collisions: u32) -> bool {
+        collisions < self.most_collisions
     }
 
     fn transmittance(&self, leg: &Leg) -> Vec3 {

@@ -63,8 +63,8 @@ pub trait Media: Sync {
     /// Whether directions are drawn half by cosine, half uniformly, at every vertex.
     const MIXED: bool = false;
 
-    /// Whether light from a collision may collide again before it meets a surface.
-    fn scatters_again(&self) -> bool {
+    /// Whether light that has collided so often since a surface may collide again before it meets the next.
+    fn scatters_again(&self, _collisions: u32) -> bool {
         true
     }
 

@@ -254,7 +254,8 @@ impl Factors {
             })
             .collect();
         let sources: Vec<&Flux> = fluxes.iter().chain(suns.iter().flatten()).collect();
-        responses.chosen = std::array::from_fn(|c| chosen_sum(&sources, &measured, c));
+        let asked = effort.orders.map(|most| ORDERS.iter().position(|&k| k >= most).unwrap_or(ORDERS.len() - 1));
+        responses.chosen = std::array::from_fn(|c| asked.unwrap_or_else(|| chosen_sum(&sources, &measured, c)));
         let of = |flux: &Flux| factor(flux.walked, in_channels(&flux.looked_up, responses.chosen));
         let mut emitters = vec![Vec3::ONE; view.paths.emitters.finite_count()];
         for (members, flux) in groups.iter().zip(&fluxes) {

@@ -68,7 +68,7 @@ pub struct TablePaths<'a, 's> {
 impl<'a, 's> TablePaths<'a, 's> {
     /// Prepares tables and measures factors.
     pub fn new(paths: Paths<'a, 's, Tabled<'a>>, effort: Effort, seed: u32) -> Self {
-        let mut responses = Responses::new(paths.media, &paths.tracer.scene().lights);
+        let mut responses = Responses::new(paths.media, &paths.tracer.scene().lights, &effort);
         let mut view = View { paths, wall: 1.0, extent: 1.0, region: [Vec3::ZERO; 2], is_closed: false };
         let factors = Factors::new(&mut view, &mut responses, effort, seed);
         Self { view, responses, factors }

@@ -5,6 +5,7 @@
 
 use super::medium::Tabled;
 use crate::scene::{Light, LightKind};
+use crate::solve::Effort;
 use crate::solve::emitters::punctual;
 use crate::solve::media::Leg;
 use ::tables::response::AxialResponse;
@@ -55,9 +56,12 @@ pub struct Sight<'l> {
 }
 
 impl<'a> Responses<'a> {
-    /// Prepares the tables for the media of `air` and the shapes of `lights`.
-    pub fn new(air: &'a Tabled<'a>, lights: &[Light]) -> Self {
-        let set = TableSet::embedded();
+    /// Prepares the tables for the media of `air` and the shapes of `lights`, as fine as `effort` says.
+    pub fn new(air: &'a Tabled<'a>, lights: &[Light], effort: &Effort) -> Self {
+        let whole = TableSet::embedded();
+        let is_whole = (effort.bins, effort.bands) == (whole.recipe().read_bins, whole.recipe().bands);
+        let reduced = (!is_whole).then(|| whole.reduced(effort.bins, effort.bands));
+        let set = reduced.as_ref().unwrap_or(whole);
         let (shapes, shape_of) = shapes(lights);
         let channels = if air.is_grey() { 1 } else { 3 };
         let prepare = |medium: &bake_optics::medium::Medium| {

@@ -9,7 +9,7 @@ use bake_optics::phase::Phase;
 use std::path::Path;
 
 fn settings(samples: u32, seed: u32) -> LightmapSettings {
-    let tables = Effort { stations: 512, rays: 64 };
+    let tables = Effort { stations: 512, rays: 64, ..Effort::default() };
     let [min_samples, max_samples] = [samples; 2];
     LightmapSettings { min_samples, max_samples, seed, mode: Mode::Tables, tables, ..Default::default() }
 }

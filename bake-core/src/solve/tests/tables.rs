@@ -25,7 +25,7 @@ fn irradiance(
 
 fn effort() -> (u32, Effort) {
     if std::env::var_os("BAKE_LONG").is_some() {
-        (4096, Effort { stations: 4096, rays: 512 })
+        (4096, Effort { stations: 4096, rays: 512, ..Effort::default() })
     } else {
         (512, Effort::default())
     }
@@ -74,7 +74,7 @@ fn air_of_any_thickness_stays_finite_and_absorption_only_darkens() {
     let mut scene = room([0.5; 6]);
     scene.lights = vec![point_light(Vec3::splat(0.5), 1.0)];
     let corner = (Vec3::new(0.2, 0.3, 0.0), Vec3::Z);
-    let quick = Effort { stations: 64, rays: 32 };
+    let quick = Effort { stations: 64, rays: 32, ..Effort::default() };
     let mut last = f64::INFINITY;
     for sigma_t in [1e-6, 1e-2, 0.5, 4.0, 50.0, 1e4] {
         for albedo in [0.0, 0.5, 1.0] {
@@ -97,7 +97,7 @@ fn threads_do_not_change_a_bit() {
     let mut scene = room([0.5; 6]);
     scene.lights = vec![point_light(Vec3::splat(0.5), 1.0)];
     let air = uniform(unit_box(), 1.0, 0.8, Phase::Isotropic);
-    let tables = Effort { stations: 256, rays: 32 };
+    let tables = Effort { stations: 256, rays: 32, ..Effort::default() };
     let settings =
         LightmapSettings { min_samples: 16, max_samples: 16, mode: Mode::Tables, tables, ..Default::default() };
     let bake = |threads: usize| {
