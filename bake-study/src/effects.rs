@@ -9,6 +9,7 @@
 use crate::error::StudyError;
 use crate::measure::{Baked, Page};
 use crate::report;
+use crate::store;
 use crate::study::{Study, prepare_with};
 use bake_core::job::Job;
 use bake_core::plan::{Effect, Plan, effects::is_on};
@@ -24,10 +25,13 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::io::Write as _;
+use std::path::{Path, PathBuf};
 
 /// What leaving out one effect does; a line of `effects.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Left {
+    /// Hash of everything that the numbers depend on.
+    pub key: String,
     /// Name of the effect.
     pub effect: String,
     /// Whether the plan simulates it.
@@ -92,7 +96,8 @@ impl Verdict {
     }
 }
 
-/// Leaves out every effect that the scene has, one at a time; writes `effects.html` and `effects.csv`.
+/// Leaves out every effect that the scene has, one at a time, or goes on with it; writes `effects.html` and `effects.csv`, a line
+/// as soon as it is known.
 ///
 /// # Errors
 /// As a study.
@@ -101,23 +106,51 @@ pub fn run(study: &Study, progress: &dyn Progress, tell: &dyn Fn(&str)) -> Resul
     let change = |settings| Settings { samples, mode: settings::Mode::Walk, ..settings };
     let job = prepare_with(study, &change, progress)?;
     std::fs::create_dir_all(&study.folder).map_err(StudyError::io(&study.folder))?;
+    let key = crate::study::subject(study, &job, "effects")?;
+    let table = study.folder.join("effects.csv");
     let experiment = Experiment { tracer: Tracer::new(&job.scene), job: &job, study, progress };
     let planned = experiment.plan(&|_| None)?;
-    let with = experiment.bake(&experiment.plan(&|_| Some(true))?, 0)?;
-    let mut all = Vec::new();
+    let mut all = known_before(&table, &key)?;
+    let with = experiment.with_all(&key, all.first())?;
     for (number, &(name, effect)) in (1..).zip(&EffectName::ALL) {
         let Some(known) = planned.effects.iter().find(|known| known.name == name && known.bound > 0.0) else {
             continue;
         };
+        if all.iter().any(|left| left.effect == name) {
+            continue;
+        }
         let without = experiment.bake(&experiment.plan(&|other| Some(other != effect))?, number)?;
-        let left = left(known, is_on(&planned.effects, effect), &with, &without);
+        let left = left(&key, known, is_on(&planned.effects, effect), &with, &without.into());
         tell(&left.text());
         all.push(left);
+        write_atomic(&table, |out| out.write_all(&csv(&all)))?;
     }
     let page = page(&job.scene.name, study.effort.reference_samples / 4, &all);
     write_atomic(&study.folder.join("effects.html"), |out| out.write_all(page.as_bytes()))?;
-    write_atomic(&study.folder.join("effects.csv"), |out| out.write_all(&csv(&all)))?;
     Ok(all)
+}
+
+/// Lines that an earlier run of the same experiment left.
+fn known_before(table: &Path, key: &str) -> Result<Vec<Left>, StudyError> {
+    if !table.exists() {
+        return Ok(Vec::new());
+    }
+    let text = std::fs::read_to_string(table).map_err(StudyError::io(table))?;
+    let lines = csv::Reader::from_reader(text.as_bytes()).into_deserialize().collect::<Result<Vec<Left>, _>>();
+    let lines = lines.map_err(|error| StudyError::Points { path: table.to_owned(), reason: error.to_string() })?;
+    Ok(lines.into_iter().filter(|left| left.key == key).collect())
+}
+
+/// What is compared of a bake.
+struct Measured {
+    pages: Vec<Page>,
+    seconds: f64,
+}
+
+impl From<Baked> for Measured {
+    fn from(baked: Baked) -> Self {
+        Self { pages: baked.lightmap.pages.iter().map(Page::from).collect(), seconds: baked.seconds }
+    }
 }
 
 struct Experiment<'a> {
@@ -135,6 +168,19 @@ impl Experiment<'_> {
         Ok(Plan::derive(&self.tracer, &self.job.air, &settings, &self.job.atlas, 1)?)
     }
 
+    /// The bake with every effect: kept beside the table, from where a later run takes it.
+    fn with_all(&self, key: &str, known: Option<&Left>) -> Result<Measured, StudyError> {
+        let path = |page: usize| self.study.folder.join(format!("effects-{key}.{page:02}.exr"));
+        let paths: Vec<PathBuf> = (0..self.job.atlas.pages.len()).map(path).collect();
+        if let Some(left) = known.filter(|_| paths.iter().all(|path| path.exists())) {
+            let pages = paths.iter().map(|path| store::read_page(path)).collect::<Result<_, _>>()?;
+            return Ok(Measured { pages, seconds: left.seconds_with });
+        }
+        let measured = Measured::from(self.bake(&self.plan(&|_| Some(true))?, 0)?);
+        paths.iter().zip(&measured.pages).try_for_each(|(path, page)| store::write_page(path, page))?;
+        Ok(measured)
+    }
+
     fn bake(&self, plan: &Plan, number: u32) -> Result<Baked, Interrupted> {
         let mut settings = plan.solver.clone();
         settings.seed = settings.seed.wrapping_add(number);
@@ -146,10 +192,10 @@ impl Experiment<'_> {
     }
 }
 
-fn left(effect: &Effect, planned: bool, with: &Baked, without: &Baked) -> Left {
-    let pages = |baked: &Baked| baked.lightmap.pages.iter().map(Page::from).collect::<Vec<_>>();
-    let (at_least, at_most) = change(&pages(with), &pages(without));
+fn left(key: &str, effect: &Effect, planned: bool, with: &Measured, without: &Measured) -> Left {
+    let (at_least, at_most) = change(&with.pages, &without.pages);
     Left {
+        key: key.into(),
         effect: effect.name.into(),
         planned,
         why: effect.why.clone(),
@@ -246,8 +292,8 @@ mod tests {
     fn a_bound_that_is_too_low_is_broken_and_noise_leaves_it_open() {
         let with_bound = |bound| {
             let (at_least, at_most) = (0.02, 0.03);
-            let (effect, why) = (String::new(), String::new());
-            Left { effect, planned: true, why, bound, at_least, at_most, seconds_with: 1.0, seconds_without: 1.0 }
+            let [key, effect, why] = std::array::from_fn(|_| String::new());
+            Left { key, effect, planned: true, why, bound, at_least, at_most, seconds_with: 1.0, seconds_without: 1.0 }
                 .verdict()
         };
         assert_eq!([0.01, 0.025, 0.04].map(with_bound), [Verdict::Broken, Verdict::Open, Verdict::Holds]);

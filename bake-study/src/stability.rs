@@ -21,6 +21,9 @@ const PLACES: usize = 48;
 /// The recorded page: for each formula what is computed, and median and worst errors in f32 and f64.
 const RECORDED: &str = include_str!("../../docs/stability.md");
 
+/// What the runtime's parity test measured.
+const SHADERS: &str = include_str!("../../docs/stability/shaders.csv");
+
 /// Its pictures.
 const PICTURES: [(&str, &str); 15] = [
     ("airlight", include_str!("../../docs/stability/airlight.svg")),
@@ -106,9 +109,26 @@ fn page(curves: &[Curve]) -> String {
                 "f64 below; dark blue is exact to f64, yellow has no digit left, dark red is no finite number."
             }
             @for section in RECORDED.split("\n## ").skip(1) { (formula(section)) }
-            p { "Shaders against these formulas: " code { "cargo test -p bake-runtime --test parity -- --nocapture" } " prints each function's error." }
+            h2 { "Shaders" }
+            p {
+                "Recorded by " code { "ci/parity-record" } ": each function of the runtime's WGSL on a software adapter against its twin in f64 over a grid and "
+                "awkward inputs; relative, absolute where a function vanishes."
+            }
+            (shaders())
         },
     )
+}
+
+/// Function, largest error, what is allowed, comparisons.
+fn shaders() -> Markup {
+    html! {
+        table {
+            tr { th { "function" } th.n { "largest error" } th.n { "allowed" } th.n { "comparisons" } }
+            @for line in SHADERS.lines() {
+                tr { @for (index, cell) in line.split(';').enumerate() { td class=(if index > 0 { "n" } else { "" }) { (cell) } } }
+            }
+        }
+    }
 }
 
 fn plot(curves: &[Curve]) -> Plot {
@@ -171,6 +191,16 @@ mod tests {
             assert!(html.contains("<svg") && html.contains("ours, f32"), "{}", &section[..60]);
         }
         assert_eq!(RECORDED.matches("\n## ").count(), PICTURES.len());
+    }
+
+    #[test]
+    fn every_recorded_shader_function_keeps_to_its_limit() {
+        let lines: Vec<Vec<&str>> = SHADERS.lines().map(|line| line.split(';').collect()).collect();
+        for line in &lines {
+            let [measured, allowed] = [line[1], line[2]].map(|number| number.parse::<f64>().expect("a number"));
+            assert!(measured > 0.0 && measured <= allowed, "{line:?}");
+        }
+        assert!(lines.len() > 20 && lines.iter().all(|line| line.len() == 4), "{}", lines.len());
     }
 
     /// No look-up over all distances errs by more than the file itself states, up to the slack of other places.

@@ -206,13 +206,7 @@ impl Store {
         if self.row(point).is_none() || !paths.iter().all(|path| path.exists()) {
             return Ok(None);
         }
-        let read = |path: &PathBuf| {
-            let bytes = std::fs::read(path).map_err(StudyError::io(path))?;
-            let image = FloatImage::read(path, &bytes)?;
-            page_of(&image)
-                .ok_or_else(|| StudyError::Points { path: path.clone(), reason: "channels are missing".into() })
-        };
-        paths.iter().map(read).collect::<Result<_, _>>().map(Some)
+        paths.iter().map(|path| read_page(path)).collect::<Result<_, _>>().map(Some)
     }
 
     /// Keeps the reference's pages.
@@ -221,10 +215,7 @@ impl Store {
     /// A file cannot be written.
     pub fn keep_reference(&self, point: &Point, pages: &[Page]) -> Result<(), StudyError> {
         for (index, page) in pages.iter().enumerate() {
-            let path = self.reference_file(point, index);
-            let mut bytes = std::io::Cursor::new(Vec::new());
-            image_of(page).write(&path, PixelFormat::F32, &mut bytes)?;
-            write_atomic(&path, |out| out.write_all(bytes.get_ref()))?;
+            write_page(&self.reference_file(point, index), page)?;
         }
         Ok(())
     }
@@ -232,6 +223,20 @@ impl Store {
     fn reference_file(&self, point: &Point, page: usize) -> PathBuf {
         self.folder.join(format!("reference-{}.{page:02}.exr", self.key(point)))
     }
+}
+
+/// A page that [`write_page`] wrote.
+pub(crate) fn read_page(path: &Path) -> Result<Page, StudyError> {
+    let bytes = std::fs::read(path).map_err(StudyError::io(path))?;
+    let image = FloatImage::read(path, &bytes)?;
+    page_of(&image).ok_or_else(|| StudyError::Points { path: path.to_owned(), reason: "channels are missing".into() })
+}
+
+/// Writes a page as an EXR image that loses nothing.
+pub(crate) fn write_page(path: &Path, page: &Page) -> Result<(), StudyError> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image_of(page).write(path, PixelFormat::F32, &mut bytes)?;
+    Ok(write_atomic(path, |out| out.write_all(bytes.get_ref()))?)
 }
 
 fn image_of(page: &Page) -> FloatImage {

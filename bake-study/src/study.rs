@@ -47,7 +47,7 @@ pub fn run(study: &Study, progress: &dyn Progress, tell: &dyn Fn(&str)) -> Resul
     let job = prepare(study, progress)?;
     job.warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
     let reference = sweep::reference(&job.settings, &study.effort);
-    let mut store = Store::open(&study.folder, subject(study, &job, &reference)?)?;
+    let mut store = Store::open(&study.folder, subject(study, &job, &name(&reference))?)?;
     let groups = sweep::groups(&job, &study.effort);
     let mut runner = Runner { bench: Bench::new(&job, study.clock), job: &job, progress, tell };
 
@@ -77,7 +77,7 @@ pub fn run(study: &Study, progress: &dyn Progress, tell: &dyn Fn(&str)) -> Resul
 pub fn measured(study: &Study) -> Result<(Vec<Group>, Store), StudyError> {
     let job = prepare(study, &Silent)?;
     let reference = sweep::reference(&job.settings, &study.effort);
-    let store = Store::open(&study.folder, subject(study, &job, &reference)?)?;
+    let store = Store::open(&study.folder, subject(study, &job, &name(&reference))?)?;
     Ok((sweep::groups(&job, &study.effort), store))
 }
 
@@ -105,12 +105,15 @@ pub(crate) fn prepare_with(
     }
 }
 
-/// What all points of a study have in common, hashed.
-fn subject(study: &Study, job: &Job, reference: &Point) -> Result<String, StudyError> {
+fn name(reference: &Point) -> String {
+    serde_json::to_string(reference).expect("plain data becomes JSON")
+}
+
+/// What all numbers of a study have in common, hashed; `reference` names what they are compared with.
+pub(crate) fn subject(study: &Study, job: &Job, reference: &str) -> Result<String, StudyError> {
     let scene = fingerprint::scene(&study.file).map_err(StudyError::io(&study.file))?;
     let settings = fingerprint::settings(&job.settings).map_err(StudyError::io(&study.file))?;
-    let reference = serde_json::to_string(reference).expect("plain data becomes JSON");
-    Ok(hash(&[env!("CARGO_PKG_VERSION"), &scene, &settings.to_string(), &reference, study.clock.name()]))
+    Ok(hash(&[env!("CARGO_PKG_VERSION"), &scene, &settings.to_string(), reference, study.clock.name()]))
 }
 
 /// The points that are not measured yet, each once.

@@ -4,10 +4,11 @@
 use bake_core::progress::{Progress, Silent};
 use bake_core::settings::{Bounds, Density, Medium, Mode, Phase, Quality, Scatter, Settings};
 use bake_study::clock::Clock;
+use bake_study::effects::Left;
 use bake_study::effort::Effort;
 use bake_study::summary::Summary;
 use bake_study::sweep::Kind;
-use bake_study::{Study, StudyError, run};
+use bake_study::{Study, StudyError, effects, run};
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 use testkit::reference::{Row, read_csv};
@@ -114,6 +115,25 @@ fn a_study_without_air_tells_wrong_from_right_and_one_seed_from_another() {
     let other = Study { settings: Settings { seed: 1, ..study.settings.clone() }, ..study.clone() };
     assert_honest(&whole(&other), 1);
     assert_eq!(numbers(&study.folder).len(), 2 * points);
+}
+
+#[test]
+fn effects_left_out_go_on_where_they_were() {
+    let folders = [0, 1].map(|_| tempfile::tempdir().expect("a folder"));
+    let [once, pieces] = folders.each_ref().map(|folder| study(folder.path(), true));
+    let numbers = |all: &[Left]| all.iter().map(|left| (left.effect.clone(), left.at_most)).collect::<Vec<_>>();
+    let whole = effects::run(&once, &Silent, &|_| ()).expect("the scene is sound");
+    let told = AtomicU32::new(0);
+    let count = |_: &str| {
+        told.fetch_add(1, Ordering::Relaxed);
+    };
+    for patience in [200, 400, 800, 1600, 3200] {
+        let _ = effects::run(&pieces, &Impatient(patience.into()), &count);
+    }
+    let gone_on = effects::run(&pieces, &Silent, &count).expect("the scene is sound");
+    assert_eq!(numbers(&whole), numbers(&gone_on));
+    assert_eq!(told.load(Ordering::Relaxed) as usize, whole.len(), "each is measured once");
+    effects::run(&pieces, &Silent, &|line| panic!("measured again: {line}")).expect("all is there");
 }
 
 /// What is wrong on purpose shows as bias, honest walks do not.
