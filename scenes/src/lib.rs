@@ -11,6 +11,7 @@ pub mod analytic;
 pub mod build;
 pub mod cornell;
 pub mod courtyard;
+pub mod fog_corridor;
 pub mod fog_room;
 pub mod fog_yard;
 pub mod furnace;
@@ -51,6 +52,7 @@ pub fn all() -> Vec<SceneFiles> {
     vec![
         cornell::scene(),
         courtyard::scene(),
+        fog_corridor::scene(),
         fog_room::with_lamp(),
         fog_room::with_point(),
         fog_yard::at_night(),

@@ -4,7 +4,8 @@ use crate::air::{self, Air};
 use crate::scene::{LightKind, Scene};
 use crate::settings::{self, Settings};
 use crate::solve::Mode;
-use crate::solve::grid::{MOST_CELLS, MOST_FREE_PATHS};
+use crate::solve::grid::{MOST_CELLS, MOST_FREE_PATHS, side};
+use glam::DVec3;
 use serde::Serialize;
 
 /// Optical size below which a walk hardly ever collides: nothing is gained by a grid.
@@ -48,7 +49,7 @@ impl Choice {
         if size < THIN {
             because(Mode::Walk, format!("optical size {size:.2e}: next to no collisions"))
         } else if cells > f64::from(MOST_CELLS) {
-            because(Mode::Walk, format!("a grid would need {cells:.0} cells along a side, {MOST_CELLS} are allowed"))
+            because(Mode::Walk, format!("a grid would need {cells:.0}³ cells, {MOST_CELLS}³ are allowed"))
         } else if g >= PEAKED && sharp {
             because(Mode::Walk, format!("mean cosine {g:.2} under a directional light is too peaked for a grid"))
         } else {
@@ -63,15 +64,16 @@ impl Choice {
 }
 
 /// Side of the largest scattering region within the scene in mean free paths where it is densest, and the grid cells
-/// that it takes.
+/// that it takes along the side of a cube of its volume.
 fn optical_size(air: &Air) -> (f64, f64) {
     let across = |(medium, summary): (&bake_optics::medium::Medium, air::Summary)| {
         let [low, high] = medium.bounds.bounding_box();
-        let size = (high.min(air.scene[1]) - low.max(air.scene[0])).max_element().max(0.0);
-        size * summary.peak_density * medium.scatter.sigma_t().into_iter().fold(0.0, f64::max)
+        let size = (high.min(air.scene[1]) - low.max(air.scene[0])).max(DVec3::ZERO);
+        let densest = summary.peak_density * medium.scatter.sigma_t().into_iter().fold(0.0, f64::max);
+        (size.max_element() * densest, side(size) * densest / MOST_FREE_PATHS)
     };
-    let size = air.media.media.iter().zip(air.summaries()).map(across).fold(0.0, f64::max);
-    (size, size / MOST_FREE_PATHS)
+    let most = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.max(b.1));
+    air.media.media.iter().zip(air.summaries()).map(across).fold((0.0, 0.0), most)
 }
 
 #[cfg(test)]

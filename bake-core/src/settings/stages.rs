@@ -108,13 +108,13 @@ impl Settings {
 impl Quality {
     /// The light grid: fine enough for walls of a share 1/cells of the scene, samples for the noise of many nodes together.
     ///
-    /// Measured in the courtyard at night, whose unlit texels see nothing but what the air brings round corners: RMSE 14 %
-    /// with 12 cells, 6.8 % with 16, 2.5 % with 24, each of 512 samples; with 24 cells 2048 samples leave the same.
+    /// Measured in the courtyard at night, whose unlit texels see nothing but what the air brings round corners: RMSE 7.8 % as
+    /// for medium, 4.2 % as for high, 3.1 % as for final, each with the noise of 2048 samples a texel (1.0 to 1.3 %).
     pub fn grid(self) -> GridSettings {
         let [cells, samples] = match self {
             Self::Preview => [8, 128],
-            Self::Medium => [12, 256],
-            Self::High => [16, 512],
+            Self::Medium => [12, 128],
+            Self::High => [16, 256],
             Self::Final => [24, 512],
         };
         GridSettings { cells, samples }

@@ -1,17 +1,23 @@
 //! The light grid: incident radiance in the air at the nodes of a lattice, gathered once, looked up along every path.
 //!
 //! Nodes hold l ≤ 2 harmonics of light that comes straight from emitters, straight from surfaces, and of light that
-//! collided before. They are filled twice: by a few walks of mode `walk` ([`super::sphere`]), without bias but noisy, then by
-//! many paths that look the first fill up (final gathering). Nothing is iterated; the errors are noise and interpolation.
+//! collided before, each the mean over the air that looks the node up: what the air scatters is kept as a whole, however wide
+//! the cells. What emitters send is found first ([`emitted`]), the rest is filled twice: by a few walks of mode `walk`
+//! ([`super::sphere`]), then by many paths that look the first fill up (final gathering). Nothing is iterated; the errors are
+//! noise and blur, which brightens what is dark beside what is bright.
 //!
 //! Emitters are sharp where the rest is smooth. The first leg of a path draws them where it needs them; later legs take
-//! them from the nodes, which hold their mean over the air that looks them up, so that no beam falls between nodes and
-//! nothing is lost beside a lamp.
+//! them from the nodes.
 //!
 //! Between nodes one corner of the cell is drawn in proportion to its trilinear weight. In cells with geometry a corner
 //! counts only where it is seen from the point, so that light does not pass walls thinner than a cell. The noise of nodes
 //! is the same for all texels that look them up and is not part of a texel's variance.
 
+mod emitted;
+#[cfg(test)]
+mod tests;
+
+use self::emitted::Emitted;
 pub use super::grid_size::*;
 use super::media::{Deflected, Flight, Fog, InScattered, Leg, Media};
 use super::path::{Counters, Paths};
@@ -54,7 +60,7 @@ struct Cell {
 /// Light at a node.
 #[derive(Debug, Clone, Copy, Default)]
 struct Node {
-    /// Straight from emitters, the mean over the air that looks this node up.
+    /// Straight from emitters.
     straight: Sh9,
     /// Straight from surfaces.
     reflected: Sh9,
@@ -75,13 +81,14 @@ impl LightGrid {
         progress: &dyn Progress,
     ) -> Result<Self, Interrupted> {
         let mut grid = Self::lay_out(paths, settings.cells, hash(seed, 0));
-        progress.stage("light in the air", 2 * u64::from(grid.node_count()));
+        progress.stage("light in the air", 3 * u64::from(grid.node_count()));
+        let emitted = grid.emitted(paths, settings.samples, hash(seed, 3), counters, progress)?;
         let walks = settings.samples.div_ceil(WALK_SHARE);
-        grid.nodes = grid.fill(paths, walks, hash(seed, 1), counters, progress)?;
+        grid.nodes = grid.fill(paths, &emitted, walks, hash(seed, 1), counters, progress)?;
         let lit = Lit::new(paths.media.clone(), &grid, paths.tracer);
         let Paths { tracer, emitters, bounces, sh1, .. } = *paths;
         let paths = Paths { tracer, emitters, media: &lit, bounces, sh1 };
-        grid.nodes = grid.fill(&paths, settings.samples, hash(seed, 2), counters, progress)?;
+        grid.nodes = grid.fill(&paths, &emitted, settings.samples, hash(seed, 2), counters, progress)?;
         Ok(grid)
     }
 
@@ -103,15 +110,17 @@ impl LightGrid {
     fn fill<M: Media>(
         &self,
         paths: &Paths<M>,
+        emitted: &[Emitted],
         samples: u32,
         seed: u32,
         counters: &mut [u64; 3],
         progress: &dyn Progress,
     ) -> Result<Vec<Node>, Interrupted> {
         let nodes = (0..self.node_count()).into_par_iter().map(|index| {
-            let node = self.node(paths, index, samples, hash(seed, index));
+            let counters = Counters::default();
+            let node = self.node(paths, index, &emitted[index as usize], samples, hash(seed, index), &counters);
             progress.advance(1);
-            if progress.is_cancelled() { Err(Interrupted) } else { Ok(node) }
+            if progress.is_cancelled() { Err(Interrupted) } else { Ok((node, counters)) }
         });
         let (nodes, counts): (Vec<_>, Vec<_>) = nodes.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
         counts.iter().for_each(|count: &Counters| count.add_to(counters));
@@ -127,29 +136,32 @@ impl LightGrid {
         self.size.element_product()
     }
 
-    fn node<M: Media>(&self, paths: &Paths<M>, index: u32, samples: u32, seed: u32) -> (Node, Counters) {
-        let (at, counters) = (self.lattice_point(index), Counters::default());
+    fn node<M: Media>(
+        &self,
+        paths: &Paths<M>,
+        index: u32,
+        emitted: &Emitted,
+        samples: u32,
+        seed: u32,
+        counters: &Counters,
+    ) -> Node {
         if !self.free[index as usize] {
-            return (Node::default(), counters);
+            return Node::default();
         }
-        let (mut here, mut around, mut weights) = (Incident::default(), Incident::default(), 0.0);
+        let (at, mut around, mut weights) = (self.lattice_point(index), Incident::default(), 0.0);
         for sample in 0..samples {
             let mut sampler = Sampler::new(sample, seed);
-            here.add_scaled(&paths.gather_sphere(self.position(at), false, &mut sampler, &counters), 1.0);
             let [x, y, z, _] = sampler.next4();
             let (point, weight) = self.around(paths.tracer, at, Vec3::new(x, y, z));
-            around.add_scaled(&paths.emitter_at(point, &mut sampler, &counters), weight);
-            weights += weight;
+            if weight > 0.0 {
+                weights += weight;
+                around.add_scaled(&paths.reflected_sphere(point, &mut sampler, counters), weight);
+            }
         }
-        let mean = |light: &Incident, term: Term, count: f32| light.terms[term as usize].map(|c| c / count);
-        let [reflected, single, multiple] =
-            [Term::Indirect, Term::Single, Term::Multiple].map(|term| mean(&here, term, samples as f32));
-        let node = Node {
-            straight: mean(&around, Term::Direct, weights.max(f32::MIN_POSITIVE)),
-            reflected,
-            collided: std::array::from_fn(|i| single[i] + multiple[i]),
-        };
-        (node, counters)
+        let mean = |term: Term| around.terms[term as usize].map(|sum| sum / f32::max(weights, f32::MIN_POSITIVE));
+        let [reflected, single, multiple] = [Term::Indirect, Term::Single, Term::Multiple].map(mean);
+        let collided = std::array::from_fn(|i| emitted.scattered[i] + single[i] + multiple[i]);
+        Node { straight: emitted.straight, reflected, collided }
     }
 
     /// A point that may look a node up, drawn by trilinear weight, and the weight that it has beside others of this node:
@@ -230,8 +242,14 @@ impl LightGrid {
         self.free[self.index(at)] && sees(tracer, point, self.position(at))
     }
 
-    /// A node near the point, drawn in proportion to trilinear weights among the corners of its cell that it sees.
-    fn pick(&self, tracer: &Tracer, point: Vec3, mut u: f32) -> Option<&Node> {
+    /// A node near the point: a corner of its cell, or else the nearest that it sees.
+    fn pick(&self, tracer: &Tracer, point: Vec3, u: f32) -> Option<&Node> {
+        let corner = self.draw_corner(tracer, point, u);
+        corner.map_or_else(|| self.nearest_seen(tracer, point), |index| Some(&self.nodes[index]))
+    }
+
+    /// A corner of the point's cell, drawn in proportion to trilinear weights among those that the point sees.
+    fn draw_corner(&self, tracer: &Tracer, point: Vec3, mut u: f32) -> Option<usize> {
         let Cell { lowest, mut weights } = self.cell(point);
         let is_clear = self.clear[self.index(lowest)];
         // Corners that are not seen are put away one by one: what remains keeps its proportions.
@@ -245,36 +263,23 @@ impl LightGrid {
             let corner = corner.unwrap_or_else(|| (0..8).rfind(|&i| weights[i] > 0.0).unwrap_or(0));
             let at = self.corner(lowest, corner as u32);
             if is_clear || self.sees_node(tracer, point, at) {
-                return Some(&self.nodes[self.index(at)]);
+                return Some(self.index(at));
             }
             u = (1.0 + rest / weights[corner]).clamp(0.0, 1.0 - f32::EPSILON);
             weights[corner] = 0.0;
         }
-        self.nearest_seen(tracer, point, lowest)
+        None
     }
 
     /// The nearest node that the point sees, of the cells around its own.
-    fn nearest_seen(&self, tracer: &Tracer, point: Vec3, lowest: UVec3) -> Option<&Node> {
-        let first = lowest.saturating_sub(UVec3::ONE);
+    fn nearest_seen(&self, tracer: &Tracer, point: Vec3) -> Option<&Node> {
+        let first = self.cell(point).lowest.saturating_sub(UVec3::ONE);
         let around =
             (0..64).map(|i| first + UVec3::new(i % 4, i / 4 % 4, i / 16)).filter(|at| at.cmplt(self.size).all());
         let mut free: Vec<UVec3> = around.filter(|&at| self.free[self.index(at)]).collect();
         let distance = |at: &UVec3| self.position(*at).distance_squared(point);
         free.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
         free.iter().find(|&&at| sees(tracer, point, self.position(at))).map(|&at| &self.nodes[self.index(at)])
-    }
-}
-
-impl<M: Media> Paths<'_, '_, M> {
-    /// One sample of the light straight from emitters, drawn from one kind of them.
-    fn emitter_at(&self, point: Vec3, sampler: &mut Sampler, counters: &Counters) -> Incident {
-        let [pick, u, v, w] = sampler.next4();
-        let (mut incident, count) = (Incident::default(), self.strategies_at_points().count() as f32);
-        let strategy = self.strategies_at_points().nth((pick * count) as usize);
-        if let Some((irradiance, dir, _)) = strategy.and_then(|s| self.draw_at(point, s, [u, v, w], counters)) {
-            incident.add(Term::Direct as usize, dir, irradiance * count);
-        }
-        incident
     }
 }
 
@@ -362,9 +367,10 @@ fn lattice(set: &MediumSet, min: Vec3, size: Vec3, fewest_cells: u32) -> UVec3 {
     const LOOKS: u32 = 16;
     let at = |i: u32| (UVec3::new(i % LOOKS, i / LOOKS % LOOKS, i / (LOOKS * LOOKS)).as_vec3() + 0.5) / LOOKS as f32;
     let densest = (0..LOOKS.pow(3)).flat_map(|i| set.sigma_t((min + at(i) * size).as_dvec3())).fold(0.0, f64::max);
-    let spacing = (MOST_FREE_PATHS / densest).min(f64::from(size.max_element()) / f64::from(fewest_cells));
-    let cells = (size.as_dvec3() / spacing).ceil().clamp(DVec3::splat(3.0), DVec3::splat(f64::from(MOST_CELLS)));
-    cells.as_uvec3() + 1
+    let side = side(size.as_dvec3());
+    let fine = (MOST_FREE_PATHS / densest).min(side / f64::from(fewest_cells));
+    let spacing = fine.max(side / f64::from(MOST_CELLS));
+    (size.as_dvec3() / spacing).ceil().max(DVec3::splat(3.0)).as_uvec3() + 1
 }
 
 fn sees(tracer: &Tracer, from: Vec3, to: Vec3) -> bool {

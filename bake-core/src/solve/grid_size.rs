@@ -1,20 +1,26 @@
 //! Where the light grid lies and how fine it may be: what settings and plan know of it without solving any air.
 
 use bake_optics::medium::MediumSet;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Largest distance of nodes, in mean free paths: measured in impulse responses' section 12.5.
 pub const MOST_FREE_PATHS: f64 = 0.45;
-/// Cells along a side at most.
+/// Side of the cube that holds as many cells as there may be.
 pub const MOST_CELLS: u32 = 40;
 
 /// How fine the grid is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct GridSettings {
-    /// Cells along the region's longest side at least.
+    /// Cells at least, along the side of a cube of the region's volume.
     pub cells: u32,
     /// Samples a node.
     pub samples: u32,
+}
+
+/// Side of a cube of a region's volume, m: what cells are counted along, so that halls and yards take as many as rooms. A
+/// region much thinner one way counts as a twentieth thick.
+pub(crate) fn side(size: DVec3) -> f64 {
+    size.max(DVec3::splat(0.05 * size.max_element())).element_product().cbrt()
 }
 
 /// The box in which light is gathered: around what scatters, or around the scene where that has no end.

@@ -147,7 +147,7 @@ impl Estimate {
             let mut sum = Incident::default();
             for sample in samples.clone() {
                 let mut sampler = Sampler::new(sample, hash(seed, index as u32));
-                sum.add_scaled(&paths.gather_sphere(place, true, &mut sampler, counters), 1.0);
+                sum.add_scaled(&paths.gather_sphere(place, &mut sampler, counters), 1.0);
             }
             let sum = sum.total();
             levels.iter_mut().zip(sum).for_each(|(level, sum)| *level = (*level * old + sum.dot(LUMINANCE)) / new);

@@ -8,7 +8,7 @@ use super::warp;
 use bake_formats::Term;
 use bake_optics::harmonics::real_sh_into;
 use glam::Vec3;
-use std::f32::consts::PI;
+use std::f32::consts::FRAC_1_PI;
 
 /// Coefficients with l ≤ 2, index l(l+1)+m, per linear RGB channel.
 pub type Sh9 = [Vec3; 9];
@@ -47,32 +47,54 @@ impl Incident {
     }
 }
 
+/// Density of directions drawn evenly over the sphere.
+const SPHERE_PDF: f32 = 0.25 * FRAC_1_PI;
+
+/// A vertex in the air.
+pub(super) fn in_air(point: Vec3) -> Vertex {
+    Vertex { origin: point, normal_geom: Vec3::ZERO, normal_shading: Vec3::ZERO }
+}
+
 impl<M: Media> Paths<'_, '_, M> {
-    /// One sample of the light that arrives at a free point. With `emitters`, light straight from them is drawn too.
-    pub fn gather_sphere(&self, point: Vec3, emitters: bool, sampler: &mut Sampler, counters: &Counters) -> Incident {
+    /// One sample of the light that arrives at a free point, drawn emitters and all.
+    pub fn gather_sphere(&self, point: Vec3, sampler: &mut Sampler, counters: &Counters) -> Incident {
         let mut incident = Incident::default();
-        let start = Vertex { origin: point, normal_geom: Vec3::ZERO, normal_shading: Vec3::ZERO };
-        let pdf = 1.0 / (4.0 * PI);
-        if emitters {
-            for strategy in self.strategies_at_points() {
-                let [u, v, w, _] = sampler.next4();
-                if let Some((irradiance, dir, emitter_pdf)) = self.draw_at(point, strategy, [u, v, w], counters) {
-                    let weight = emitter_pdf.map_or(1.0, |own| super::path::power_heuristic(own, pdf));
-                    incident.add(Term::Direct as usize, dir, irradiance * weight);
-                }
+        for strategy in self.strategies_at_points() {
+            let [u, v, w, _] = sampler.next4();
+            if let Some((irradiance, dir, emitter_pdf)) = self.draw_at(point, strategy, [u, v, w], counters) {
+                let weight = emitter_pdf.map_or(1.0, |own| super::path::power_heuristic(own, SPHERE_PDF));
+                incident.add(Term::Direct as usize, dir, irradiance * weight);
             }
         }
         let mut air = sampler.fork();
-        if let Some((radiance, dir, _)) = self.lamps_around(&start, &mut air, counters) {
+        if let Some((radiance, dir, _)) = self.lamps_around(&in_air(point), &mut air, counters) {
             incident.add(Term::Single as usize, dir, radiance);
         }
+        self.follow_any(point, (sampler, &mut air), counters, &mut incident);
+        incident
+    }
+
+    /// The same but for what emitters are drawn for: their straight light, and that of lamps scattered once.
+    pub(super) fn reflected_sphere(&self, point: Vec3, sampler: &mut Sampler, counters: &Counters) -> Incident {
+        let (mut incident, mut air) = (Incident::default(), sampler.fork());
+        self.follow_any(point, (sampler, &mut air), counters, &mut incident);
+        incident
+    }
+
+    /// Adds what comes from one direction of all.
+    fn follow_any(
+        &self,
+        point: Vec3,
+        (sampler, air): (&mut Sampler, &mut Sampler),
+        counters: &Counters,
+        incident: &mut Incident,
+    ) {
         let [u, v, crossing, lobe] = sampler.next4();
         let dir = warp::uniform_sphere(u, v);
-        let radiance = self.follow(&start, dir, pdf, [crossing, lobe], (sampler, &mut air), counters);
+        let radiance = self.follow(&in_air(point), dir, SPHERE_PDF, [crossing, lobe], (sampler, air), counters);
         for (term, radiance) in radiance.into_iter().enumerate() {
-            incident.add(term, dir, radiance / pdf);
+            incident.add(term, dir, radiance / SPHERE_PDF);
         }
-        incident
     }
 
     /// The kinds of draw that reach every emitter from a point in the air.

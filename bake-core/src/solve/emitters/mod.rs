@@ -168,6 +168,11 @@ impl<'s> Emitters<'s> {
         Some((&self.scene.lights[light as usize], probability))
     }
 
+    /// Point and spot lights.
+    pub fn lamps(&self) -> impl Iterator<Item = &'s Light> {
+        self.scene.lights.iter().filter(|light| punctual::ball(light).is_some())
+    }
+
     /// Whether there are point or spot lights.
     pub fn has_lamps(&self) -> bool {
         !self.lamps.is_empty()

@@ -215,3 +215,43 @@ fn grid_meets_the_courtyard() {
         assert!(score.holds(0.01, 0.03), "{score:?}");
     }
 }
+
+/// Points of floor, walls and the far end of the corridor of `scenes/fog_corridor.glb`, lit and unlit.
+fn corridor_points() -> Vec<(Vec3, Vec3)> {
+    let along = (0..8).map(|i| 0.7 + 1.5 * i as f32);
+    let walls = along.flat_map(|z| {
+        let x = 0.4 + 0.27 * z;
+        [
+            (Vec3::new(3.0 - 0.7 * (x - 0.3), 0.0, z), Vec3::Y),
+            (Vec3::new(0.0, 0.2 + 0.2 * z, z), Vec3::X),
+            (Vec3::new(x.min(2.8), 3.0, z), Vec3::NEG_Y),
+        ]
+    });
+    walls.chain([(Vec3::new(1.2, 1.0, 12.0), Vec3::NEG_Z), (Vec3::new(2.0, 1.7, 0.0), Vec3::Z)]).collect()
+}
+
+#[test]
+fn grid_meets_walk_under_spots_in_haze() {
+    let long = std::env::var_os("BAKE_LONG").is_some();
+    let path = testkit::reference::workspace().join("scenes/fog_corridor.glb");
+    let (scene, _) = crate::scene::load(&path, &crate::scene::LoadOptions::default()).expect("a scene of our own");
+    let bounds = Bounds::Box { min: DVec3::ZERO, max: DVec3::new(3.0, 3.0, 12.0) };
+    let air = uniform(bounds, 0.2, 0.9, Phase::HenyeyGreenstein { g: 0.5 });
+    let (points, samples) = (corridor_points(), if long { 1 << 18 } else { 1 << 14 });
+    let walk = irradiance(&scene, &Fog::new(&air), &points, samples);
+    let settings = GridSettings { cells: if long { 24 } else { 12 }, samples: if long { 512 } else { 128 } };
+    let grid = by_grid(&scene, &air, &points, settings, samples);
+    // All points together, the mean's chance taken as it is; each by itself relative to what both know of it.
+    let sum = |light: &[(f64, f64)]| light.iter().map(|l| l.0).sum::<f64>();
+    let chance = walk.iter().chain(&grid).map(|l| l.1 * l.1).sum::<f64>().sqrt() / sum(&walk);
+    let excess = |grid: &[(f64, f64)]| {
+        let square = |(w, g): (&(f64, f64), &(f64, f64))| ((g.0 - w.0).powi(2) - g.1 * g.1 - w.1 * w.1) / w.0.powi(2);
+        (walk.iter().zip(grid).map(square).sum::<f64>() / walk.len() as f64).max(0.0).sqrt()
+    };
+    let (bias, rmse) = (sum(&grid) / sum(&walk) - 1.0, excess(&grid));
+    println!("corridor: bias {:+.2} %, chance {:.2} %, RMSE {:.2} %", 100.0 * bias, 100.0 * chance, 100.0 * rmse);
+    let allowed = if long { [0.01, 0.04] } else { [0.02, 0.08] };
+    assert!(bias.abs() < allowed[0] + 3.0 * chance && rmse < allowed[1]);
+    let brighter: Vec<_> = grid.iter().map(|g| (1.15 * g.0, g.1)).collect();
+    assert!(excess(&brighter) > allowed[1], "15 % too bright is seen");
+}
