@@ -16,6 +16,7 @@ mod output;
 mod plan_text;
 mod progress;
 mod report;
+mod stdout;
 mod units;
 mod values;
 

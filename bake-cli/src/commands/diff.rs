@@ -3,6 +3,7 @@
 use super::sample::failure;
 use crate::cli::Global;
 use crate::exit::{Failure, Outcome};
+use crate::stdout;
 use bake_formats::Package;
 use bake_formats::diff::{Comparison, Diff};
 use bake_formats::metrics::Metrics;
@@ -46,9 +47,9 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
         }
     }
     if global.json {
-        println!("{}", serde_json::to_string_pretty(&diff).map_err(Failure::failed)?);
+        stdout::print(format_args!("{}\n", serde_json::to_string_pretty(&diff).map_err(Failure::failed)?));
     } else {
-        print!("{}", table(&diff));
+        stdout::print(format_args!("{}", table(&diff)));
     }
     Ok(Outcome::Done)
 }

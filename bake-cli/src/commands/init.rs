@@ -3,6 +3,7 @@
 use crate::cli::Global;
 use crate::exit::{Failure, Outcome};
 use crate::input::check_scene_file;
+use crate::stdout;
 use bake_core::settings::{TEMPLATE, sidecar};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -27,9 +28,9 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     }
     write_whole(&file, TEMPLATE).map_err(|error| Failure::unwritable(&file, error))?;
     if global.json {
-        println!("{}", serde_json::json!({ "settings": file }));
+        stdout::print(format_args!("{}\n", serde_json::json!({ "settings": file })));
     } else if !global.quiet {
-        println!("wrote {}", file.display());
+        stdout::print(format_args!("wrote {}\n", file.display()));
     }
     Ok(Outcome::Done)
 }

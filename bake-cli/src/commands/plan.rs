@@ -10,6 +10,7 @@ use crate::job;
 use crate::plan_text;
 use crate::progress::Progress;
 use crate::report::Stopwatch;
+use crate::stdout;
 use bake_core::plan::Plan;
 use bake_core::trace::Tracer;
 
@@ -38,9 +39,9 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     let plan =
         Plan::derive(&Tracer::new(&job.scene), &job.air, &job.settings, &job.atlas, rayon::current_num_threads())?;
     if global.json {
-        println!("{}", serde_json::to_string_pretty(&plan).expect("plain data becomes JSON"));
+        stdout::print(format_args!("{}\n", serde_json::to_string_pretty(&plan).expect("plain data becomes JSON")));
     } else {
-        print!("{}", plan_text::text(&job.scene.name, &plan));
+        stdout::print(format_args!("{}", plan_text::text(&job.scene.name, &plan)));
     }
     Ok(Outcome::Done)
 }

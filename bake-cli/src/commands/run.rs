@@ -11,6 +11,7 @@ use crate::output::{Output, Pages};
 use crate::plan_text;
 use crate::progress::Progress;
 use crate::report::{Measured, Stopwatch};
+use crate::stdout;
 use bake_core::explain::{self, Explanation};
 use bake_core::plan::Plan;
 use bake_core::post::{self, Hidden};
@@ -56,9 +57,9 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
 /// Prints what was measured.
 pub fn report(measured: &Measured, global: &Global) -> Outcome {
     if global.json {
-        println!("{}", serde_json::to_string_pretty(measured).expect("plain data becomes JSON"));
+        stdout::print(format_args!("{}\n", serde_json::to_string_pretty(measured).expect("plain data becomes JSON")));
     } else if !global.quiet {
-        print!("{}{}", measured.table(), explain_text::text(measured));
+        stdout::print(format_args!("{}{}", measured.table(), explain_text::text(measured)));
     }
     if measured.lightless_texels == 0 { Outcome::Done } else { Outcome::DoneWithGaps }
 }

@@ -6,6 +6,7 @@ use crate::flags::RARE;
 use crate::input::{HELP_TEMPLATE, Input};
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
+use crate::stdout;
 use bake_study::clock::Clock;
 use bake_study::effort::Effort;
 use bake_study::{Study, StudyError, effects};
@@ -62,7 +63,7 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     progress.finish();
     let told = told?;
     if !global.quiet || global.json {
-        print!("{told}");
+        stdout::print(format_args!("{told}"));
     }
     Ok(Outcome::Done)
 }

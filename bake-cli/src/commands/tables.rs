@@ -14,6 +14,7 @@ use crate::cli::Global;
 use crate::exit::{Failure, Outcome};
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
+use crate::stdout;
 
 /// Flags of `bake tables`.
 #[derive(Debug, clap::Args)]
@@ -137,7 +138,7 @@ fn generate(args: &Generate, global: &Global) -> Result<Outcome, Failure> {
     let progress = Progress::new(global, Interrupt::default());
     let file = ::tables::generate(&recipe, &reporter(&progress));
     file.write(&args.output).map_err(Failure::failed)?;
-    println!("{}", args.output.display());
+    stdout::print(format_args!("{}\n", args.output.display()));
     Ok(Outcome::Done)
 }
 
@@ -167,7 +168,7 @@ fn read(file: &Option<PathBuf>) -> Result<TableFile, Failure> {
 
 fn inspect(args: &Inspect) -> Result<Outcome, Failure> {
     let file = read(&args.file)?;
-    println!("{}", serde_json::to_string_pretty(&file.manifest).map_err(Failure::failed)?);
+    stdout::print(format_args!("{}\n", serde_json::to_string_pretty(&file.manifest).map_err(Failure::failed)?));
     if let Some(path) = &args.svg {
         let tables = TableSet::from_file(&file).map_err(Failure::invalid)?;
         let svg = drawing::draw(tables.table(&args.table), tables.recipe().bands, &args.table);
@@ -178,10 +179,10 @@ fn inspect(args: &Inspect) -> Result<Outcome, Failure> {
 
 fn verify(args: &Verify) -> Result<Outcome, Failure> {
     let checks = accuracy::verify(&read(&args.file)?, args.samples, args.seed).map_err(Failure::invalid)?;
-    println!("{:<20} {:>12} {:>12}", "table", "stated", "measured");
+    stdout::print(format_args!("{:<20} {:>12} {:>12}\n", "table", "stated", "measured"));
     for check in &checks {
         let verdict = if check.holds { "" } else { "  TOO LARGE" };
-        println!("{:<20} {:>12.2e} {:>12.2e}{verdict}", check.table, check.stored, check.measured);
+        stdout::print(format_args!("{:<20} {:>12.2e} {:>12.2e}{verdict}\n", check.table, check.stored, check.measured));
     }
     match checks.iter().find(|check| !check.holds) {
         Some(check) => Err(Failure::wrong(

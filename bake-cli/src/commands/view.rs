@@ -2,6 +2,7 @@
 
 use crate::cli::Global;
 use crate::exit::{Failure, Outcome};
+use crate::stdout;
 use bake_formats::Package;
 use bake_formats::package::write_atomic;
 use bake_view::{
@@ -79,7 +80,10 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
         difference: args.difference.map(|share| if share > 0.0 { share.min(1e6) } else { 0.1 }),
     };
     if args.list_variants {
-        bake_view::variants(package, &options).map_err(failure)?.iter().for_each(|variant| println!("{variant}"));
+        bake_view::variants(package, &options)
+            .map_err(failure)?
+            .iter()
+            .for_each(|variant| stdout::print(format_args!("{variant}\n")));
         return Ok(Outcome::Done);
     }
     let Some(file) = &args.screenshot else {
