@@ -36,6 +36,8 @@ pub enum Quantity {
     Irradiance,
     /// Variance of the mean of the total irradiance, lux².
     IrradianceVariance,
+    /// Radiance of an environment's texels, cd/m².
+    Radiance,
     /// Real orthonormal spherical harmonics of incident radiance, cd/m².
     ShRadiance,
     /// Number of samples.
@@ -54,7 +56,7 @@ impl Quantity {
         match self {
             Self::Irradiance => "lx",
             Self::IrradianceVariance => "lx^2",
-            Self::ShRadiance => "cd/m^2",
+            Self::Radiance | Self::ShRadiance => "cd/m^2",
             Self::Samples | Self::Validity | Self::Density => "1",
             Self::Offset => "m",
         }

@@ -59,7 +59,7 @@ fn written() -> Value {
     let folder = tempfile::tempdir().unwrap();
     let mut writer = PackageWriter::create(folder.path(), "room").unwrap();
     let mut image = FloatImage::new(1, 1);
-    for quantity in [Quantity::Irradiance, Quantity::IrradianceVariance, Quantity::ShRadiance] {
+    for quantity in [Quantity::Irradiance, Quantity::IrradianceVariance, Quantity::Radiance, Quantity::ShRadiance] {
         image.push_rgb(&format!("{quantity:?}"), quantity, &[[1.0, 2.0, 3.0]]);
     }
     image.push("samples.Y", Quantity::Samples, vec![4.0]);
@@ -81,7 +81,8 @@ fn written() -> Value {
     manifest.terms = Term::ALL.to_vec();
     manifest.media = media().iter().map(|record| serde_json::to_value(record).unwrap()).collect();
     manifest.warnings = vec!["one".into()];
-    manifest.environment = Some(EnvironmentRecord { size: [1, 1], rotation: 0.5, mean_radiance: Vec3::ONE });
+    manifest.environment =
+        Some(EnvironmentRecord { size: [1, 1], rotation: 0.5, mean_radiance: Vec3::ONE, file: Some(lightmap.clone()) });
     manifest.error_estimate = Some(ErrorEstimate { relative_standard_error: 0.01, unbaked_share: 0.0 });
     let (uv_offset, uv_scale) = (Vec2::ZERO, Vec2::ONE);
     let (path, name) = ("root/a".into(), "a".into());

@@ -44,6 +44,7 @@ fn air_end_of_density(ray: ViewRay) -> f32 {
         if media[m].density == 1u && media[m].bounds == 0u && ray.dir.y > 0.0 { // if DENSITY_EXPONENTIAL
             end = min(end, 25.0 / max(media[m].slope * ray.dir.y, 1e-9)); // if DENSITY_EXPONENTIAL
         } // if DENSITY_EXPONENTIAL
+        if media[m].density == 3u && media[m].bounds == 0u { end = min(end, planet_end(media[m], ray)); } // if DENSITY_PLANET
     }
     return end;
 }
@@ -56,7 +57,7 @@ fn air_end(ray: ViewRay, sight: Sight, sigma_t: vec3f, first: f32) -> f32 {
         let room = LIGHT_DEPTH / max(least, 1e-12);
         var depth_end = max(span.x, first) + room;
         if media[m].density == 1u { depth_end = max(span.x, first) + exponential_end(media[m], ray, max(span.x, first), room); } // if DENSITY_EXPONENTIAL
-        if media[m].density != 2u && depth_end < span.y {
+        if media[m].density < 2u && depth_end < span.y {
             end = min(end, depth_end);
         }
     }

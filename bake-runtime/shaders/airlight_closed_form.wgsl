@@ -1,10 +1,30 @@
-// Air-light of isotropic air and lamp by exponential integrals (Sun et al. 2005 in the scaled form). Twin: ClosedForm.
-// Where two tails cancel, quadrature takes over.
+// Air-light of a lamp that shines alike in all directions by exponential integrals; phase functions up to degree 2 (beyond, f32 has no
+// digits left). Twin: bake_optics::airlight::ClosedForm, whose poles are constants here. Where two tails cancel, quadrature takes over.
 // uses: airlight_quadrature, exponential_integral
+// uses: moments // if PHASE_LINEAR|PHASE_RAYLEIGH|PHASE_LEGENDRE
 
-// Integral from v to infinity of e^{-H (v' - v)}/(1 + v'^2). Twin: tail.
-fn endless_tail(h: f32, v: f32) -> f32 {
-    return -scaled_e1(vec2f(h * v, h)).y;
+// Share of the endless ray's light below which the difference of two tails has lost its digits. Twin: LEAST_SHARE_SINGLE.
+const LEAST_SHARE_LEFT = 0.02;
+
+// Integrals from v to infinity of e^{-H (v' - v)} P_l(cos 2 xi)/(1 + v'^2) for l = 0, 1, 2. Twin: tail.
+fn endless_tails(h: f32, v: f32) -> vec3f {
+    return vec3f(-scaled_e1(vec2f(h * v, h)).y, 0.0, 0.0); // unless PHASE_LINEAR|PHASE_RAYLEIGH|PHASE_LEGENDRE
+    let s = scaled_e123(vec2f(h * v, h)); // if PHASE_LINEAR|PHASE_RAYLEIGH|PHASE_LEGENDRE
+    let inverse = complex_reciprocal(vec2f(v, 1.0)); // if PHASE_LINEAR|PHASE_RAYLEIGH|PHASE_LEGENDRE
+    let second = complex_product(inverse, s[1]); // if PHASE_LINEAR|PHASE_RAYLEIGH|PHASE_LEGENDRE
+    let third = complex_product(complex_product(inverse, inverse), s[2]); // if PHASE_LINEAR|PHASE_RAYLEIGH|PHASE_LEGENDRE
+    return vec3f(-s[0].y, -second.x, -0.25 * s[0].y + 0.75 * second.x + 1.5 * third.y); // if PHASE_LINEAR|PHASE_RAYLEIGH|PHASE_LEGENDRE
+}
+
+// sigma_s times the first Legendre terms of the phase functions themselves, 1/(m sr).
+fn scattering_terms(c: u32) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var m = 0u; m < MEDIA; m++) {
+        sum.x += media[m].sigma_s[c];
+        sum.y += 3.0 * media[m].sigma_s[c] * moments[m * ORDERS + 1u]; // if PHASE_LINEAR|PHASE_RAYLEIGH|PHASE_LEGENDRE
+        sum.z += 5.0 * media[m].sigma_s[c] * moments[m * ORDERS + 2u]; // if PHASE_LINEAR|PHASE_RAYLEIGH|PHASE_LEGENDRE
+    }
+    return INVERSE_FOUR_PI * sum;
 }
 
 // Whether the ray spans so little of asinh(z/h) that its ends' values cancel. Twin: is_narrow.
@@ -26,16 +46,14 @@ fn lamp_airlight_closed(ray: ViewRay, lamp: Lamp) -> vec3f {
     var difference = vec3f(0.0);
     var cancels = min(depth.x, min(depth.y, depth.z)) < 1e-6 || spans_little(sight, sight.length);
     for (var c = 0u; c < 3u; c++) {
-        let whole = endless_tail(max(depth[c], 1e-6), va);
-        difference[c] = whole - fall(sigma_t[c] * excess) * endless_tail(max(depth[c], 1e-6), vb);
-        cancels = cancels || difference[c] < 0.02 * whole;
+        let terms = scattering_terms(c);
+        let whole = endless_tails(max(depth[c], 1e-6), va);
+        let rest = fall(sigma_t[c] * excess) * endless_tails(max(depth[c], 1e-6), vb);
+        difference[c] = dot(terms, whole - rest);
+        cancels = cancels || difference[c] < LEAST_SHARE_LEFT * terms.x * whole.x;
     }
     if cancels {
         return airlight_between(ray, lamp, sight, 0.0, ray.length);
     }
-    var sigma_s = vec3f(0.0);
-    for (var m = 0u; m < MEDIA; m++) {
-        sigma_s += media[m].sigma_s;
-    }
-    return 2.0 * INVERSE_FOUR_PI * sigma_s / sight.h * difference * air_common(sight);
+    return 2.0 / sight.h * difference * air_common(sight);
 }

@@ -1,5 +1,12 @@
 // Air-light as the difference of two look-ups a Legendre order. Twin: bake_optics::airlight::Lut.
-// uses: sight, air_uniform, moments
+// Where the two cancel, and straight away from the lamp, where the table's last cells span all distances, quadrature takes over.
+// uses: airlight_quadrature, moments
+
+// Share of the endless ray's light below which they do.
+const LEAST_DIFFERENCE = 0.05;
+
+// Largest v that is looked up: some three degrees off the ray that leads straight away.
+const LARGEST_V = 20.0;
 
 // Layer l: tails f_l over (sqrt(H)/(1 + sqrt(H)), 2 atan(v)/pi), divided by their scale.
 @group(0) @binding(12) var tail_texels: texture_2d_array<f32>;
@@ -23,13 +30,15 @@ fn tail(l: u32, h: f32, v: f32) -> f32 {
     return mix(top, bottom, share.y) * tail_scale(h, v);
 }
 
-fn lamp_airlight(ray: ViewRay, lamp: Lamp) -> vec3f {
-    let sight = sight_of(ray.dir, ray.origin - lamp.position, ray.length, lamp.axis, max(lamp.radius, 1e-4 * length(ray.origin - lamp.position)));
+fn lamp_airlight_table(ray: ViewRay, lamp: Lamp) -> vec3f {
+    let offset = ray.origin - lamp.position;
+    let sight = sight_of(ray.dir, offset, ray.length, lamp.axis, max(lamp.radius, 1e-4 * length(offset)));
     let sigma_t = air_sigma_t();
     let excess = excess_at(sight, sight.length);
     let va = sight.behind / sight.h;
     let vb = va + excess / sight.h;
     var sum = vec3f(0.0);
+    var cancels = va > LARGEST_V;
     for (var l = 0u; l < ORDERS; l++) {
         var weight = vec3f(0.0);
         for (var m = 0u; m < MEDIA; m++) {
@@ -37,8 +46,14 @@ fn lamp_airlight(ray: ViewRay, lamp: Lamp) -> vec3f {
         }
         for (var c = 0u; c < 3u; c++) {
             let h = sigma_t[c] * sight.h;
-            sum[c] += weight[c] * (tail(l, h, va) - fall(sigma_t[c] * excess) * tail(l, h, vb));
+            let whole = tail(l, h, va);
+            let left = whole - fall(sigma_t[c] * excess) * tail(l, h, vb);
+            sum[c] += weight[c] * left;
+            cancels = cancels || l == 0u && left < LEAST_DIFFERENCE * whole;
         }
+    }
+    if cancels {
+        return airlight_between(ray, lamp, sight, 0.0, ray.length);
     }
     return max(vec3f(0.0), 2.0 / sight.h * sum * air_common(sight));
 }

@@ -4,7 +4,6 @@
 // uses: air_uniform // unless LAYERED
 // uses: air_layered // if LAYERED
 // uses: pieces
-// uses: shadow // if SHADOWS
 
 // Light against the sun, from a place to where it leaves all air.
 fn depth_to_sun(place: vec3f, sun: Sun) -> vec3f {
@@ -31,10 +30,16 @@ fn add_edges(cuts: ptr<function, Cuts>, medium: Medium, ray: ViewRay, sun: Sun, 
     } // if BOUNDS_BOX
 } // if BOUNDS_BOX
 
-// Radiance per unit irradiance of the sun, 1/sr.
-fn sun_airlight(ray: ViewRay, sun: Sun) -> vec3f {
+// What a place on the ray sends to the eye, 1/(m sr).
+fn sun_value(ray: ViewRay, sun: Sun, deflection: Deflection, s: f32) -> vec3f {
+    let place = ray.origin + ray.dir * s;
+    let depth = optical_depth(ViewRay(ray.origin, ray.dir, s)) + depth_to_sun(place, sun);
+    return sun_scattering(place, deflection) * fall3(depth);
+}
+
+// Radiance per unit irradiance of the sun from the part of the ray between two distances, all of it lit, 1/sr.
+fn sun_between(ray: ViewRay, sun: Sun, first: f32, end: f32) -> vec3f {
     let deflection = deflection_between(sun.direction, -ray.dir);
-    let end = ray.length;
     var cuts: Cuts;
     cuts.count = 0u;
     for (var m = 0u; m < MEDIA; m++) {
@@ -44,17 +49,16 @@ fn sun_airlight(ray: ViewRay, sun: Sun) -> vec3f {
         if media[m].bounds == 1u { add_edges(&cuts, media[m], ray, sun, end); } // if BOUNDS_BOX
     }
     var sum = vec3f(0.0);
-    var from_s = 0.0;
+    var from_s = first;
     for (var k = 0u; k <= cuts.count; k++) {
         var to_s = end;
         if k < cuts.count { to_s = cuts.at[k]; }
+        if to_s <= from_s {
+            continue;
+        }
         for (var i = 0u; i < RULE_COUNT; i++) {
             let s = from_s + (to_s - from_s) * RULE_NODES[i];
-            let place = ray.origin + ray.dir * s;
-            var light = (to_s - from_s) * RULE_WEIGHTS[i];
-            light *= select(0.0, 1.0, sun_is_lit(sun, place)); // if SHADOWS
-            let depth = optical_depth(ViewRay(ray.origin, ray.dir, s)) + depth_to_sun(place, sun);
-            sum += light * sun_scattering(place, deflection) * fall3(depth);
+            sum += (to_s - from_s) * RULE_WEIGHTS[i] * sun_value(ray, sun, deflection, s);
         }
         from_s = to_s;
     }

@@ -1,4 +1,5 @@
-// S_1(z) = e^z E_1(z) for Re z >= 0. Twin: bake_optics::special::scaled_exponential_integral (p = 1); sources there.
+// S_p(z) = e^z E_p(z) for Re z >= 0. Twins: bake_optics::special::{scaled_exponential_integral, scaled_exponential_integrals};
+// sources there.
 // uses: arithmetic
 
 fn complex_product(a: vec2f, b: vec2f) -> vec2f {
@@ -29,18 +30,31 @@ fn scaled_e1_series(z: vec2f) -> vec2f {
 }
 
 // Backward continued fraction; its depth falls with |z| + Re z.
-fn scaled_e1_fraction(z: vec2f) -> vec2f {
-    let depth = u32(3.5 + 45.0 / (length(z) + z.x));
-    var below = z + vec2f(f32(1u + 2u * depth), 0.0);
+fn scaled_fraction(p: u32, z: vec2f) -> vec2f {
+    let depth = u32(3.0 + 0.5 * f32(p) + 45.0 / (length(z) + z.x));
+    var below = z + vec2f(f32(p + 2u * depth), 0.0);
     for (var k = depth; k > 0u; k--) {
-        below = z + vec2f(f32(2u * k - 1u), 0.0) - complex_reciprocal(below) * f32(k * k);
+        below = z + vec2f(f32(p + 2u * k - 2u), 0.0) - complex_reciprocal(below) * f32(k * (p + k - 1u));
     }
     return complex_reciprocal(below);
 }
 
 fn scaled_e1(z: vec2f) -> vec2f {
     if length(z) + z.x >= 3.0 {
-        return scaled_e1_fraction(z);
+        return scaled_fraction(1u, z);
     }
     return scaled_e1_series(z);
+}
+
+// S_1 to S_3: p S_{p+1} = 1 - z S_p, walked down from the fraction, up from the series, where errors do not grow.
+fn scaled_e123(z: vec2f) -> array<vec2f, 3> {
+    let one = vec2f(1.0, 0.0);
+    if length(z) + z.x >= 3.0 {
+        let third = scaled_fraction(3u, z);
+        let second = complex_product(complex_reciprocal(z), one - 2.0 * third);
+        return array(complex_product(complex_reciprocal(z), one - second), second, third);
+    }
+    let first = scaled_e1_series(z);
+    let second = one - complex_product(z, first);
+    return array(first, second, 0.5 * (one - complex_product(z, second)));
 }

@@ -9,6 +9,8 @@
 // uses: airlight_ray_march // if RAY_MARCH
 // uses: shafts // if SHAFTS
 // uses: airlight_sun // if SUNS
+// uses: sun_march // if SUNS&RAY_MARCH
+// uses: sun_shafts // if SUNS&SHADOWS&!RAY_MARCH
 // uses: lattice_inscatter // if LATTICE_AIR
 
 // Most that a lamp of unit intensity gives, 1/m^2: an eye within a lamp in air as thick as rock.
@@ -34,12 +36,15 @@ fn air_along(dir: vec3f, away: f32) -> Air {
     let inside = ViewRay(vec3f(0.0), dir, span.y); // if LAYERED
     for (var i = 0u; i < frame.lamp_count; i++) { // if LAMPS
         let lamp = lamps[i]; // if LAMPS
-        air.inscatter += lamp.intensity * min(lamp_airlight(inside, lamp), vec3f(BRIGHTEST)); // if LAMPS&!CLOSED_FORM&!SHAFTS
+        air.inscatter += lamp.intensity * min(lamp_airlight(inside, lamp), vec3f(BRIGHTEST)); // if LAMPS&!CLOSED_FORM&!LUT&!SHAFTS
         air.inscatter += lamp.intensity * min(lamp_airlight_shadowed(inside, lamp), vec3f(BRIGHTEST)); // if LAMPS&SHAFTS
+        air.inscatter += lamp.intensity * min(lamp_airlight_table(inside, lamp), vec3f(BRIGHTEST)); // if LAMPS&LUT
         air.inscatter += lamp.intensity * min(lamp_airlight_closed(inside, lamp), vec3f(BRIGHTEST)); // if LAMPS&CLOSED_FORM
     } // if LAMPS
     for (var i = 0u; i < frame.sun_count; i++) { // if SUNS
-        air.inscatter += suns[i].irradiance * sun_airlight(inside, suns[i]); // if SUNS
+        air.inscatter += suns[i].irradiance * sun_airlight_marched(inside, suns[i]); // if SUNS&RAY_MARCH
+        air.inscatter += suns[i].irradiance * sun_airlight_shadowed(inside, suns[i]); // if SUNS&SHADOWS&!RAY_MARCH
+        air.inscatter += suns[i].irradiance * sun_between(inside, suns[i], 0.0, inside.length); // if SUNS&!SHADOWS&!RAY_MARCH
     } // if SUNS
     air.inscatter += lattice_inscatter(ViewRay(dir * span.x, dir, span.y - span.x)); // if LATTICE_AIR
     return air;

@@ -1,6 +1,5 @@
 // Series of Legendre polynomials by Clenshaw's recurrence. Twin: bake_optics::legendre::series.
-
-@group(0) @binding(10) var<storage, read> coefficients: array<f32>;
+// uses: coefficients
 
 // Sum over j < count of coefficients[first + j] P_j(x).
 fn legendre(first: u32, count: u32, x: f32) -> f32 {

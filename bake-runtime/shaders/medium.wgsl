@@ -1,5 +1,8 @@
 // The media of the picture: where they are and how dense. Twins: bake_optics::medium. Places are relative to the eye.
 // uses: arithmetic, phase, view_ray
+// uses: hull // if BOUNDS_HULL
+// uses: planet // if DENSITY_PLANET
+// uses: density_grid // if DENSITY_GRID
 
 // Largest exponent of a density: beyond it sums of products of lamp, air and lobe overflow.
 const THICKEST = 40.0;
@@ -15,6 +18,7 @@ fn clip_bounds(medium: Medium, ray: ViewRay) -> vec2f {
     var span = vec2f(0.0, ray.length);
     if medium.bounds == 1u { span = clip_box(medium, ray); } // if BOUNDS_BOX
     if medium.bounds == 2u { span = clip_ball(medium, ray); } // if BOUNDS_BALL
+    if medium.bounds == 3u { span = clip_hull(medium, ray); } // if BOUNDS_HULL
     return vec2f(max(span.x, 0.0), min(span.y, ray.length));
 }
 
@@ -63,11 +67,14 @@ fn linear_length(start: f32, slope: f32, length_of_ray: f32) -> f32 { // if DENS
 fn density_at(medium: Medium, place: vec3f) -> f32 {
     if medium.density == 1u { return exp(clamp(-medium.slope * (place.y - medium.base), -DARK, THICKEST)); } // if DENSITY_EXPONENTIAL
     if medium.density == 2u { return max(0.0, medium.slope * (place.y - medium.base)); } // if DENSITY_LINEAR
+    if medium.density == 3u { return planet_at(medium, place); } // if DENSITY_PLANET
+    if medium.density == 4u { return grid_at(medium, place); } // if DENSITY_GRID
     return 1.0;
 }
 
 // 1 inside the bounds, 0 outside.
 fn optical_inside(medium: Medium, place: vec3f) -> f32 {
+    if medium.bounds == 3u { return select(0.0, 1.0, inside_hull(medium, place)); } // if BOUNDS_HULL
     let box = all(place >= medium.low) && all(place <= medium.high);
     let ball = length(place - medium.low) <= medium.high.x;
     return select(0.0, 1.0, medium.bounds == 0u || (medium.bounds == 1u && box) || (medium.bounds == 2u && ball));
@@ -83,6 +90,9 @@ fn optical_length(medium: Medium, ray: ViewRay) -> f32 {
     let height = ray.origin.y + ray.dir.y * span.x - medium.base; // if DENSITY_EXPONENTIAL|DENSITY_LINEAR
     if medium.density == 1u { return exponential_length(medium.slope, height, ray.dir.y, inside); } // if DENSITY_EXPONENTIAL
     if medium.density == 2u { return linear_length(medium.slope * height, medium.slope * ray.dir.y, inside); } // if DENSITY_LINEAR
+    let within = ViewRay(ray.origin + ray.dir * span.x, ray.dir, inside); // if DENSITY_PLANET|DENSITY_GRID
+    if medium.density == 3u { return planet_length(medium, within); } // if DENSITY_PLANET
+    if medium.density == 4u { return grid_length(medium, within); } // if DENSITY_GRID
     return inside;
 }
 

@@ -81,12 +81,20 @@ shared! {
         up: vec3f,
         /// Number of lights from infinitely far.
         sun_count: u32,
-        /// Uniform sky, cd/m².
+        /// Uniform sky, cd/m²; of a picture the share that the air leaves.
         sky: vec3f,
         /// Distance from which on clutter is thinned, metres.
         prune_start: f32,
         /// Width and height, texels; left edge and width of the part that is drawn.
         viewport: vec4f,
+        /// Turn of the sky's picture about +Y, radians.
+        sky_rotation: f32,
+        /// Not used.
+        padding: f32,
+        /// Not used.
+        padding_2: f32,
+        /// Not used.
+        padding_3: f32,
     }
     /// A placement. Rows of the affine map object → world.
     Instance {
@@ -176,15 +184,15 @@ shared! {
     Medium {
         /// Lowest corner, or the ball's centre, metres.
         low: vec3f,
-        /// Bounds: 0 none, 1 box, 2 ball.
+        /// Bounds: 0 none, 1 box, 2 ball, 3 hull.
         bounds: u32,
         /// Highest corner; x: the ball's radius.
         high: vec3f,
-        /// Density: 0 uniform, 1 exponential, 2 linear in height.
+        /// Density: 0 uniform, 1 exponential, 2 linear in height, 3 about a planet, 4 grid.
         density: u32,
         /// Scattering at density 1, 1/m.
         sigma_s: vec3f,
-        /// Height of density 1 (exponential) or 0 (linear), metres.
+        /// Height of density 1 (exponential) or 0 (linear), metres; the eye's altitude above a planet's density 1.
         base: f32,
         /// Extinction at density 1, 1/m.
         sigma_t: vec3f,
@@ -198,6 +206,28 @@ shared! {
         first: u32,
         /// Number of its coefficients.
         count: u32,
+        /// Map of places to the grid's points: x row. Of a planet: its centre, and the eye's distance from it, metres.
+        grid_x: vec4f,
+        /// y row.
+        grid_y: vec4f,
+        /// z row.
+        grid_z: vec4f,
+        /// Points of the grid along its x.
+        count_x: u32,
+        /// Along its y.
+        count_y: u32,
+        /// Along its z.
+        count_z: u32,
+        /// First of its values among the coefficients, x fastest.
+        values: u32,
+        /// First of the hull's planes among the coefficients: normal and offset of each.
+        planes: u32,
+        /// Number of the planes.
+        plane_count: u32,
+        /// Not used.
+        padding: u32,
+        /// Not used.
+        padding_2: u32,
     }
     /// A shadow map: clip space from positions relative to the eye.
     ShadowView {

@@ -27,6 +27,7 @@ mod renderer;
 pub mod scene;
 pub mod shader;
 mod shadows;
+pub mod sky;
 mod timing;
 pub mod variant;
 

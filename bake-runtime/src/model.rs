@@ -1,10 +1,13 @@
 //! A scene on the device: buffers, textures, and what is drawn.
 
+use std::sync::OnceLock;
+
 use bake_formats::glb::document::Sampler;
 use wgpu::util::DeviceExt;
 
 use crate::error::{Result, RuntimeError};
 use crate::scene::{Draw, LatticeData, Page, SceneData, Texture};
+use crate::sky;
 
 /// A scene on the device.
 #[derive(Debug)]
@@ -22,6 +25,10 @@ pub struct Model {
     pub(crate) pages: Vec<PageViews>,
     pub(crate) probes: Option<wgpu::TextureView>,
     pub(crate) air_light: Option<wgpu::TextureView>,
+    /// The environment's picture.
+    pub(crate) sky: Option<wgpu::TextureView>,
+    /// Its harmonics, once they were asked for.
+    sky_harmonics: OnceLock<Vec<[f64; 3]>>,
     /// Exponents of the materials' Phong lobes, each once.
     pub(crate) exponents: Vec<f32>,
 }
@@ -57,6 +64,11 @@ impl Model {
             pages: scene.pages.iter().map(|page| upload_page(device, queue, page)).collect(),
             probes: scene.probes.as_ref().map(|lattice| upload_lattice(device, queue, lattice)),
             air_light: scene.air_light.as_ref().map(|lattice| upload_lattice(device, queue, lattice)),
+            sky: scene
+                .sky
+                .as_ref()
+                .map(|sky| upload_texels(device, queue, [sky.width, sky.height], &[opaque(&sky.radiance)], false)),
+            sky_harmonics: OnceLock::new(),
             exponents,
             scene: SceneData::default(),
         };
@@ -87,6 +99,12 @@ impl Model {
     /// Whether the charts are known.
     pub fn has_charts(&self) -> bool {
         self.page_charts.is_some()
+    }
+
+    /// Harmonics of the environment's picture; `None` where there is no picture.
+    pub(crate) fn sky_harmonics(&self) -> Option<&[[f64; 3]]> {
+        let picture = self.scene.sky.as_ref()?;
+        Some(self.sky_harmonics.get_or_init(|| sky::harmonics(picture)))
     }
 
     /// Sets vertex and index lists.
@@ -154,7 +172,9 @@ fn check_limits(device: &wgpu::Device, scene: &SceneData) -> Result<()> {
         .iter()
         .chain(&scene.air_light)
         .map(|p| ("the image of probes or fog cells", (p.count[0] * p.count[2]).max(p.count[1])));
-    let sizes = sizes.chain(probes).chain(scene.textures.iter().map(|t| ("a texture", t.width.max(t.height))));
+    let sky = scene.sky.iter().map(|sky| ("the environment's picture", sky.width.max(sky.height)));
+    let sizes =
+        sizes.chain(probes).chain(sky).chain(scene.textures.iter().map(|t| ("a texture", t.width.max(t.height))));
     for (what, size) in sizes {
         if size > side {
             let (what, needed, allowed) = (format!("{what}'s side in texels"), size.into(), side.into());

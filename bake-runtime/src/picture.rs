@@ -12,6 +12,7 @@ use crate::model::Model;
 use crate::prune;
 use crate::renderer::{Settings, Show};
 use crate::scene::{Draw, LatticeData, Opacity};
+use crate::sky;
 use crate::variant::{Pass, Variant};
 
 /// One picture in the making.
@@ -36,6 +37,7 @@ pub(crate) struct Tables<'a> {
     pub tails: Option<&'a wgpu::TextureView>,
     pub surfaces: Option<&'a wgpu::TextureView>,
     pub shadows: Option<&'a wgpu::TextureView>,
+    pub glow: Option<&'a wgpu::TextureView>,
 }
 
 /// The plan of a picture's air.
@@ -63,7 +65,9 @@ impl<'a> Picture<'a> {
         let buffers = AirBuffers::new(device, Sources { media, baked, dynamic, eye: camera.eye, shadowed });
         let plan = air_plan(model, settings);
         let [lamp_count, sun_count] = buffers.counts;
-        let frame = Frame { lamp_count, sun_count, sky: sky(model, settings), ..frame(camera, settings, size) };
+        let sky_rotation = scene.sky.as_ref().map_or(0.0, |sky| sky.rotation);
+        let sky = sky_level(model, settings);
+        let frame = Frame { lamp_count, sun_count, sky, sky_rotation, ..frame(camera, settings, size) };
         let frame = uniform(device, "frame", &frame);
         let probes = uniform(device, "probes", &lattice(scene.probes.as_ref(), camera));
         let air_lattice = uniform(device, "air lattice", &lattice(scene.air_light.as_ref(), camera));
@@ -100,6 +104,8 @@ impl<'a> Picture<'a> {
             "tail_texels" => texture(self.tables.tails),
             "surface_texels" => texture(self.tables.surfaces),
             "shadow_map" => texture(self.tables.shadows),
+            "sky_texels" => texture(self.model.sky.as_ref()),
+            "glow_texels" => texture(self.tables.glow),
             _ => unreachable!("no resource is called '{name}'"),
         }
     }
@@ -188,24 +194,23 @@ fn frame(camera: &Camera, settings: &Settings, [width, height]: [u32; 2]) -> Fra
     }
 }
 
-/// The uniform sky; through `sky_distance_m` of air without end what is left of it and what the air scatters of it.
-///
-/// *Equation*: L (e^{−T} + f_0(T)), f_0 the first zonal factor of the point-spread function: `bake_optics::psf`.
-fn sky(model: &Model, settings: &Settings) -> [f32; 3] {
-    let Some(environment) = &model.scene.environment else { return [0.0; 3] };
-    let radiance = environment.mean_radiance.to_array();
-    let Some(distance) = settings.air.sky_distance_m.filter(|_| air_plan(model, settings).is_some()) else {
-        return radiance;
-    };
-    std::array::from_fn(|c| {
-        let sum = |of: fn(&bake_optics::medium::Scatter) -> [f64; 3]| -> f64 {
-            model.scene.media.iter().map(|medium| of(&medium.scatter)[c]).sum()
-        };
-        let (sigma_s, sigma_t) = (sum(|s| s.sigma_s), sum(|s| s.sigma_t()));
-        let t = (sigma_t * f64::from(distance)).min(80.0);
-        let scattered = if t > 1e-9 { bake_optics::psf::convolution_factors(t, 1)[0] * sigma_s / sigma_t } else { 0.0 };
-        (f64::from(radiance[c]) * ((-t).exp() + scattered)) as f32
-    })
+/// Distance of the sky in air, where there is air to see it through.
+pub(crate) fn sky_distance(model: &Model, settings: &Settings) -> Option<u32> {
+    settings.air.sky_distance_m.filter(|_| air_plan(model, settings).is_some())
+}
+
+/// Radiance of a uniform sky, or what the air leaves of a picture.
+fn sky_level(model: &Model, settings: &Settings) -> [f32; 3] {
+    let media = &model.scene.media;
+    match (&model.scene.environment, &model.sky, sky_distance(model, settings)) {
+        (None, None, _) => [0.0; 3],
+        (_, Some(_), None) => [1.0; 3],
+        (_, Some(_), Some(distance)) => sky::attenuation(media, distance),
+        (Some(environment), None, None) => environment.mean_radiance.to_array(),
+        (Some(environment), None, Some(distance)) => {
+            sky::uniform(environment.mean_radiance.to_array(), media, distance)
+        }
+    }
 }
 
 fn lattice(points: Option<&LatticeData>, camera: &Camera) -> Lattice {

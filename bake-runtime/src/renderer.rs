@@ -7,15 +7,16 @@
 //! Blending α over what lies behind is right in air: with L(s) and T(s) the air's light and transmittance as far as s, and B(s) the
 //! light that arrives there from behind, L(s) + T(s) (α C + (1 − α) B(s)) = α (L(s) + T(s) C) + (1 − α) (L(s) + T(s) B(s)).
 
-use crate::air::{AirPlan, AirSettings, Method, surface_texels, tail_texels};
+use crate::air::{AirPlan, AirSettings, Medium, Method, surface_texels, tail_texels};
 use crate::camera::Camera;
 use crate::error::Result;
-use crate::model::Model;
+use crate::model::{Model, upload_texels};
 use crate::passes::{Key, Pipelines};
-use crate::picture::{Picture, Tables, air_plan, seen_frame};
+use crate::picture::{Picture, Tables, air_plan, seen_frame, sky_distance};
 use crate::prune;
 use crate::scene::{Draw, Opacity};
 use crate::shadows::MOST_MAPS;
+use crate::sky;
 use crate::timing::Timer;
 use crate::variant::{Pass, Variant};
 
@@ -98,6 +99,7 @@ pub struct Renderer {
     tails: Option<wgpu::TextureView>,
     surfaces: Option<(Vec<f32>, wgpu::TextureView)>,
     shadows: Option<wgpu::Texture>,
+    glow: Option<Glow>,
     timer: Option<Timer>,
 }
 
@@ -110,6 +112,15 @@ struct Images {
     depth: wgpu::Texture,
     /// Which of the two holds the picture.
     shown: usize,
+}
+
+/// What the air blurs of a picture of the sky, and what it was made from.
+#[derive(Debug)]
+struct Glow {
+    media: Vec<Medium>,
+    distance: u32,
+    harmonics: Vec<[f64; 3]>,
+    view: wgpu::TextureView,
 }
 
 impl Images {
@@ -126,8 +137,8 @@ impl Renderer {
         let radiance_format = if exact { wgpu::TextureFormat::Rgba32Float } else { wgpu::TextureFormat::Rgba16Float };
         let (device, queue) = (device.clone(), queue.clone());
         let pipelines = Pipelines::default();
-        let (images, tails, surfaces, shadows, timer) = (None, None, None, None, None);
-        Self { device, queue, format, radiance_format, pipelines, images, tails, surfaces, shadows, timer }
+        let (images, tails, surfaces, shadows, glow, timer) = (None, None, None, None, None, None);
+        Self { device, queue, format, radiance_format, pipelines, images, tails, surfaces, shadows, glow, timer }
     }
 
     /// Draws `model` as `camera` sees it to the whole of `target`, `size` texels.
@@ -151,7 +162,8 @@ impl Renderer {
         let shadows = self.shadows.as_ref().map(|texture| texture.create_view(&Default::default()));
         let (tails, surfaces) = (self.tails.clone(), self.surfaces.clone());
         let surfaces = surfaces.as_ref().map(|(_, view)| view);
-        let tables = Tables { tails: tails.as_ref(), surfaces, shadows: shadows.as_ref() };
+        let glow = self.glow.as_ref().map(|glow| glow.view.clone());
+        let tables = Tables { tails: tails.as_ref(), surfaces, shadows: shadows.as_ref(), glow: glow.as_ref() };
         let picture = Picture::new(&self.device, (model, camera, settings), (size, columns), tables);
         self.timer = if settings.timed { self.timer.take().or_else(|| Timer::new(&self.device)) } else { None };
         self.timer.iter_mut().for_each(Timer::begin);
@@ -197,10 +209,25 @@ impl Renderer {
             let view = surface_texels(&self.device, &self.queue, &model.exponents);
             self.surfaces = Some((model.exponents.clone(), view));
         }
+        self.make_glow(model, settings);
         let size = settings.shadow_size.map(|side| side.clamp(16, 8192));
         if let Some(side) = size.filter(|&side| self.shadows.as_ref().is_none_or(|maps| maps.width() != side)) {
             self.shadows = Some(shadow_maps(&self.device, side));
         }
+    }
+
+    /// What the air blurs of the environment's picture, anew where air or distance changed.
+    fn make_glow(&mut self, model: &Model, settings: &Settings) {
+        let Some(distance) = sky_distance(model, settings) else { return };
+        let Some(harmonics) = model.sky_harmonics() else { return };
+        let media = &model.scene.media;
+        let known = |glow: &Glow| glow.distance == distance && glow.media == *media && glow.harmonics == harmonics;
+        if self.glow.as_ref().is_some_and(known) {
+            return;
+        }
+        let texels = sky::glow(harmonics, media, distance);
+        let view = upload_texels(&self.device, &self.queue, sky::GLOW, &[texels], false);
+        self.glow = Some(Glow { media: media.clone(), distance, harmonics: harmonics.to_vec(), view });
     }
 
     /// Depth as each light with a shadow map sees it.
@@ -220,6 +247,9 @@ impl Renderer {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("shadows"),
                 depth_stencil_attachment: Some(depth_attachment(&target, wgpu::LoadOp::Clear(0.0))),
+                timestamp_writes: self.timer.as_mut().and_then(|timer| {
+                    timer.writes_part("shadows", layer == 0, layer + 1 == picture.buffers.views.len())
+                }),
                 ..Default::default()
             });
             pass.set_pipeline(&pipeline.pipeline);
@@ -265,8 +295,13 @@ impl Renderer {
         let timed = self.timer.as_mut().and_then(|timer| timer.writes("surfaces"));
         let mut pass = surface_pass(encoder, (&radiance, &depth), true, timed);
         picture.keep_to_columns(&mut pass);
-        if picture.model.scene.environment.is_some() && picture.settings.show == Show::Light {
-            let key = Key::screen(Variant::new(Pass::Sky), self.radiance_format);
+        let sky = picture.model.scene.environment.is_some() || picture.model.sky.is_some();
+        if sky && picture.settings.show == Show::Light {
+            let fogged = sky_distance(picture.model, picture.settings).is_some();
+            let pictured = picture.model.sky.is_some();
+            let variant = Variant::new(Pass::Sky).with("SKY_PICTURE", pictured);
+            let variant = variant.with("SKY_FOGGED", pictured && fogged);
+            let key = Key::screen(variant, self.radiance_format);
             let pipeline = self.pipelines.get(&self.device, key);
             pass.set_pipeline(&pipeline.pipeline);
             pipeline.bind(&self.device, &mut pass, 0, |name| picture.resource(name));

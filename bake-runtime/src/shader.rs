@@ -12,6 +12,9 @@ use bake_optics::quadrature::GaussLegendre;
 use crate::layout::SHARED;
 use crate::variant::Variant;
 
+/// Nodes of a panel of a planet's air: twelve leave f32's own error (`bake_optics::medium::planet`).
+const ORBIT_RULE: u32 = 12;
+
 macro_rules! modules {
     ($($name:literal),* $(,)?) => {
         /// Every module: name and text.
@@ -32,7 +35,9 @@ modules![
     "arithmetic",
     "base_texture",
     "caster",
+    "coefficients",
     "density",
+    "density_grid",
     "difference",
     "display",
     "emission_texture",
@@ -40,6 +45,7 @@ modules![
     "exponential_integral",
     "frame",
     "hashed_color",
+    "hull",
     "inscatter",
     "lamps",
     "lattice",
@@ -56,6 +62,7 @@ modules![
     "pick",
     "pieces",
     "placed",
+    "planet",
     "probes",
     "pruning",
     "screen",
@@ -64,7 +71,10 @@ modules![
     "shafts",
     "sight",
     "sky",
+    "sky_picture",
     "softened",
+    "sun_march",
+    "sun_shafts",
     "surface",
     "texel_pattern",
     "texture_map",
@@ -102,6 +112,9 @@ fn prelude(variant: &Variant, body: &str) -> String {
     }
     if body.contains("RULE_NODES") {
         text += &rule("RULE", variant.nodes());
+    }
+    if body.contains("ORBIT_NODES") {
+        text += &rule("ORBIT", ORBIT_RULE);
     }
     if body.contains("PALETTE") {
         text += &variant.palette().declaration();

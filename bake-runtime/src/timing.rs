@@ -41,14 +41,25 @@ impl Timer {
 
     /// Where a pass writes its timestamps; `None` beyond the most.
     pub fn writes(&mut self, name: &'static str) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
-        let index = 2 * self.names.len() as u32;
-        (index < 2 * MOST).then(|| {
+        self.writes_part(name, true, true)
+    }
+
+    /// The same of a pass in a row of them that are timed as one: the first begins, the last ends.
+    pub fn writes_part(
+        &mut self,
+        name: &'static str,
+        first: bool,
+        last: bool,
+    ) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        if first && self.names.len() < MOST as usize {
             self.names.push(name);
-            wgpu::RenderPassTimestampWrites {
-                query_set: &self.queries,
-                beginning_of_pass_write_index: Some(index),
-                end_of_pass_write_index: Some(index + 1),
-            }
+        }
+        let index = 2 * (self.names.len() as u32).checked_sub(1)?;
+        let own = self.names.last() == Some(&name) && (first || last);
+        own.then_some(wgpu::RenderPassTimestampWrites {
+            query_set: &self.queries,
+            beginning_of_pass_write_index: first.then_some(index),
+            end_of_pass_write_index: last.then_some(index + 1),
         })
     }
 

@@ -8,7 +8,8 @@ use bake_optics::phase::Phase;
 use bake_optics::surface::scattered_irradiance;
 use bake_runtime::air::AirSettings;
 use bake_runtime::scene::LatticeData;
-use bake_runtime::{Method, SceneData, Settings};
+use bake_runtime::sky::SkyPicture;
+use bake_runtime::{Camera, Headless, Method, SceneData, Settings};
 use common::{Fixture, front, headless, picture};
 use glam::{Affine3A, DVec3, Vec2, Vec3};
 use std::f32::consts::PI;
@@ -128,13 +129,20 @@ fn a_plate_throws_its_shadow_on_the_wall_behind_it() {
 #[test]
 fn light_shafts_by_lit_intervals_beat_marching_at_equal_cost() {
     let Some(headless) = headless() else { return };
-    let scene = SceneData { lights: vec![lamp(Vec3::new(0.0, 0.0, 2.0))], media: vec![air(0.2, 0.05)], ..plated() };
+    let sun = LightKind::Directional { direction: Vec3::new(0.25, 0.0, -1.0).normalize(), angular_radius: 0.0 };
+    let sun = LightRecord { kind: sun, ..lamp(Vec3::ZERO) };
+    for (name, light) in [("lamp", lamp(Vec3::new(0.0, 0.0, 2.0))), ("sun", sun)] {
+        shafts(&headless, name, SceneData { lights: vec![light], media: vec![air(0.2, 0.05)], ..plated() });
+    }
+}
+
+fn shafts(headless: &Headless, name: &str, scene: SceneData) {
     let mut camera = front(2.0);
     camera.eye = DVec3::new(-3.0, 0.0, 1.5);
     camera.forward = Vec3::new(1.0, 0.0, -0.25).normalize();
     let draw = |air: AirSettings, shadows: bool| {
         let settings = Settings { air, shadow_size: shadows.then_some(512), ..plain() };
-        picture(&headless, scene.clone(), &camera, &settings, SIZE).0
+        picture(headless, scene.clone(), &camera, &settings, SIZE).0
     };
     let march = |steps| AirSettings { method: Method::RayMarch, steps, ..AirSettings::default() };
     let truth = draw(march(4096), true);
@@ -147,7 +155,7 @@ fn light_shafts_by_lit_intervals_beat_marching_at_equal_cost() {
     let (intervals, marched) = (error(&draw(AirSettings::default(), true)), error(&draw(march(100), true)));
     let unshadowed = error(&draw(AirSettings::default(), false));
     println!(
-        "RMS error of the mean: intervals {intervals:.2e}, 100 steps {marched:.2e}, without shadows {unshadowed:.2e}"
+        "{name}, RMS error of the mean: intervals {intervals:.2e}, 100 steps {marched:.2e}, without shadows {unshadowed:.2e}"
     );
     assert!(unshadowed > 20.0 * intervals, "the plate must matter: {unshadowed}");
     assert!(intervals < 0.1 * marched && intervals < 2e-3, "{intervals:.2e} against {marched:.2e}");
@@ -160,7 +168,7 @@ fn the_sky_glows_through_a_stated_distance_of_air() {
     fixture.material(|_| {});
     let mean_radiance = Vec3::new(100.0, 200.0, 300.0);
     fixture.edit = Box::new(move |manifest| {
-        manifest.environment = Some(EnvironmentRecord { size: [1, 1], rotation: 0.0, mean_radiance });
+        manifest.environment = Some(EnvironmentRecord { size: [1, 1], rotation: 0.0, mean_radiance, file: None });
     });
     let scene = SceneData { media: vec![air(0.02, 0.005)], ..fixture.load() };
     let draw = |sky_distance_m| {
@@ -175,6 +183,47 @@ fn the_sky_glows_through_a_stated_distance_of_air() {
     let want = 200.0 * ((-t).exp() + glow);
     assert!((f64::from(draw(Some(80))[1]) / want - 1.0).abs() < 1e-5, "{:?}, not {want}", draw(Some(80)));
     assert!(glow > 0.1 * (-t).exp(), "the glow is what is tested: {glow}");
+}
+
+#[test]
+fn the_environments_picture_stands_where_its_directions_say() {
+    let Some(headless) = headless() else { return };
+    let mut fixture = Fixture::new([2, 2], [0.0; 3]);
+    fixture.material(|_| {});
+    let (width, height, rotation) = (8, 4, 0.5f32);
+    let radiance: Vec<[f32; 3]> = (0..32).map(|i| [1.0 + i as f32, 40.0 - i as f32, 2.0]).collect();
+    let sky = SkyPicture { width, height, radiance: radiance.clone(), rotation };
+    let scene = SceneData { sky: Some(sky), ..fixture.load() };
+    let view = |texel: u32| {
+        let azimuth = 2.0 * PI * ((texel % width) as f32 + 0.5) / width as f32 + rotation;
+        let polar = PI * ((texel / width) as f32 + 0.5) / height as f32;
+        // From −Z towards +X, from +Y down.
+        let dir = Vec3::new(polar.sin() * azimuth.sin(), polar.cos(), -polar.sin() * azimuth.cos());
+        Camera { fov_y: 1e-3, ..Camera::look_at(DVec3::ZERO, dir.as_dvec3()) }
+    };
+    let see = |camera: &Camera, scene: &SceneData, sky_distance_m| {
+        let settings = Settings { air: AirSettings { sky_distance_m, ..AirSettings::default() }, ..plain() };
+        picture(&headless, scene.clone(), camera, &settings, [2, 2]).0[0]
+    };
+    for texel in [0, 7, 8, 13, 22, 31] {
+        let (got, want) = (see(&view(texel), &scene, None), radiance[texel as usize]);
+        (0..3).for_each(|c| assert!((got[c] / want[c] - 1.0).abs() < 0.01, "texel {texel}: {got:?}, not {want:?}"));
+        // Negative control: the texel beside is another colour.
+        assert!((got[0] / radiance[(texel as usize + 1) % 32][0] - 1.0).abs() > 0.02);
+    }
+    // Through air that only takes away, all is darker alike; through air that scatters, what is dark glows.
+    let fogged = |sigma_s, sigma_a| SceneData { media: vec![air(sigma_s, sigma_a)], ..scene.clone() };
+    let (dark, bright) = (view(0), view(31));
+    let t = 0.02f32 * 50.0;
+    for camera in [&dark, &bright] {
+        let (plain, dimmed) = (see(camera, &scene, None), see(camera, &fogged(0.0, 0.02), Some(50)));
+        assert!((dimmed[0] / (plain[0] * (-t).exp()) - 1.0).abs() < 1e-4, "{dimmed:?} of {plain:?}");
+        let hazy = see(camera, &fogged(0.02, 0.0), Some(50));
+        assert!(hazy[0] > dimmed[0] + 0.2 * (1.0 - (-t).exp()), "{hazy:?} of {dimmed:?}");
+    }
+    let contrast =
+        |sigma_s| see(&bright, &fogged(sigma_s, 0.0), Some(50))[0] / see(&dark, &fogged(sigma_s, 0.0), Some(50))[0];
+    assert!(contrast(0.04) < 0.8 * contrast(0.001), "haze takes contrast away: {} {}", contrast(0.04), contrast(0.001));
 }
 
 /// A lattice around the origin in which light L comes from everywhere, and more of it from above.

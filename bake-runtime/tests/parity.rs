@@ -12,6 +12,7 @@ use bake_optics::emitter::spot_cone;
 use bake_optics::harmonics::real_sh;
 use bake_optics::phase::{self, Deflection};
 use bake_optics::special;
+use bake_runtime::prune;
 use bake_runtime::variant::{Pass, Variant};
 use harness::{Case, Harness};
 
@@ -138,6 +139,21 @@ fn harmonic_cases() -> Vec<Case> {
     vec![case(0), case(4), case(5)]
 }
 
+/// Thinning of clutter; ranks and shares whose differences are exact.
+fn pruning_case() -> Case {
+    let ranks: Vec<f64> = (0..64).map(|i| f64::from(i) / 64.0).collect();
+    Case {
+        name: "scale_of_rank",
+        variant: Variant::new(Pass::Surface).with("PRUNED", true),
+        roots: &["pruning"],
+        call: "vec4f(scale_of_rank(a.x, a.y), 0.0, 0.0, 0.0)".into(),
+        inputs: pairs(&ranks, &[1.0, 0.984_375, 0.75, 0.5, 0.25, 0.125, 0.015_625]),
+        limit: 1e-5,
+        twin: Box::new(|row| (vec![prune::scale(row[0] as f32, row[1] as f32).into()], 1.0)),
+        ..Case::default()
+    }
+}
+
 fn pairs(a: &[f64], b: &[f64]) -> Vec<Vec<f64>> {
     a.iter().flat_map(|&x| b.iter().map(move |&y| vec![f64::from(x as f32), f64::from(y as f32)])).collect()
 }
@@ -219,7 +235,12 @@ fn phase_cases() -> Vec<Case> {
 #[test]
 fn shader_functions_agree_with_their_twins() {
     let Some(harness) = Harness::open() else { return };
-    let cases = special_cases().into_iter().chain(phase_cases()).chain(harmonic_cases()).chain(air::cases());
+    let cases = special_cases()
+        .into_iter()
+        .chain(phase_cases())
+        .chain(harmonic_cases())
+        .chain([pruning_case()])
+        .chain(air::cases());
     let results: Vec<_> = cases.map(|case| harness.compare(&case, |text| text)).collect();
     // Those that hold print first.
     let (held, broken): (Vec<_>, Vec<_>) = results.iter().partition(|worst| worst.holds());
@@ -230,8 +251,13 @@ fn shader_functions_agree_with_their_twins() {
 #[test]
 fn a_constant_changed_on_one_side_only_is_found() {
     let Some(harness) = Harness::open() else { return };
-    let cases: Vec<Case> =
-        special_cases().into_iter().chain(phase_cases()).chain(harmonic_cases()).chain(air::cases()).collect();
+    let cases: Vec<Case> = special_cases()
+        .into_iter()
+        .chain(phase_cases())
+        .chain(harmonic_cases())
+        .chain([pruning_case()])
+        .chain(air::cases())
+        .collect();
     for (name, from, to) in [
         ("phi1", "x / 3.0", "x / 3.001"),
         ("lam", "1.0 / 5.0", "1.0 / 5.1"),
@@ -241,8 +267,14 @@ fn a_constant_changed_on_one_side_only_is_found() {
         ("henyey_greenstein", "0.0795774715459477", "0.0795"),
         ("rayleigh", "0.75", "0.7501"),
         ("real_harmonic", "0.488602512 * d.z", "0.4887 * d.z"),
+        ("scale_of_rank", "0.2 *", "0.201 *"),
         ("spot_cone", "ramp * ramp", "ramp * ramp * 1.00001"),
         ("quadrature, isotropic", "weight * 2.0 / (1.0", "weight * 2.001 / (1.0"),
+        ("hull", "dot(plane.xyz, ray.origin)", "1.0001 * dot(plane.xyz, ray.origin)"),
+        ("grid", "0.28867513459", "0.2887"),
+        ("planet", "r0 * (1.0 + 2.0", "r0 * (1.0001 + 2.0"),
+        ("lut", "h * (1.0 + v * v)", "h * (1.001 + v * v)"),
+        ("closed form, Rayleigh", "1.5 * third.y", "1.51 * third.y"),
         ("vacuum, isotropic", "1.0 / 3.0 - square", "1.0 / 3.01 - square"),
     ] {
         let case = cases.iter().find(|case| case.name == name).expect("a case of this name");

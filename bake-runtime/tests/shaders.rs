@@ -2,6 +2,7 @@
 //! not call for is not in it.
 
 use bake_formats::manifest::{LightKind, LightRecord, ProfileRecord};
+use bake_optics::medium::grid::DensityGrid;
 use bake_optics::medium::{Bounds, Density, Medium, Scatter};
 use bake_optics::phase::Phase;
 use bake_runtime::air::{AirPlan, AirSettings, Method};
@@ -45,6 +46,9 @@ fn media() -> Vec<Medium> {
     let block = Bounds::Box { min: DVec3::splat(-5.0), max: DVec3::splat(5.0) };
     let ball = Bounds::Sphere { centre: DVec3::ZERO, radius: 5.0 };
     let exponential = Density::Exponential { base_m: 0.0, scale_height_m: 10.0 };
+    let grid = DensityGrid::new(glam::IVec3::splat(2), vec![1.0; 8], glam::DAffine3::IDENTITY).expect("valid");
+    let planet = Density::Planet { centre: DVec3::NEG_Y * 6e6, radius_m: 6e6, scale_height_m: 8e3 };
+    let hull = Bounds::Hull([glam::DVec4::new(0.0, 1.0, 0.0, 2.0)].into());
     let linear = Density::Linear { zero_m: 0.0, slope_per_m: -0.1 };
     let medium = |bounds, density, phase| Medium { bounds, density, scatter, phase };
     vec![
@@ -52,6 +56,9 @@ fn media() -> Vec<Medium> {
         medium(block.clone(), Density::Uniform, Phase::HenyeyGreenstein { g: 0.8 }),
         medium(ball, Density::Uniform, Phase::Rayleigh),
         medium(Bounds::Unbounded, exponential, Phase::Linear { a1: 0.5 }),
+        medium(hull, Density::Uniform, Phase::Isotropic),
+        medium(Bounds::Unbounded, planet, Phase::Rayleigh),
+        medium(Bounds::Unbounded, Density::Grid(std::sync::Arc::new(grid)), Phase::Isotropic),
         medium(block, linear, Phase::Legendre(vec![1.0, 0.5, 0.1])),
     ]
 }
@@ -136,6 +143,8 @@ fn every_variant_is_valid_wgsl() {
         check(&Variant::new(Pass::Tone).with("FILMIC", filmic).with("ENCODE", encode));
     }
     check(&Variant::new(Pass::Sky));
+    check(&Variant::new(Pass::Sky).with("SKY_PICTURE", true));
+    check(&Variant::new(Pass::Sky).with("SKY_PICTURE", true).with("SKY_FOGGED", true));
     check(&Variant::new(Pass::Caster));
     lit_variants().iter().for_each(&mut check);
     assert!(count > 100, "{count} variants are not all");
@@ -153,6 +162,7 @@ fn every_module_is_in_some_variant() {
     texts.extend(air_plans().iter().map(|(_, plan)| shader::compose(plan)));
     texts.extend([Pass::Tone, Pass::Sky, Pass::Caster].map(|pass| shader::compose(&Variant::new(pass))));
     texts.extend(lit_variants().iter().map(shader::compose));
+    texts.push(shader::compose(&Variant::new(Pass::Sky).with("SKY_PICTURE", true)));
     for (name, source) in MODULES {
         let functions = source.lines().filter_map(|line| line.strip_prefix("fn ").or(line.strip_prefix("@group")));
         for line in functions.filter(|line| !line.contains("// if ")) {
@@ -229,7 +239,10 @@ fn an_effect_that_is_off_leaves_no_instruction_and_no_binding() {
         ("BOUNDS_BALL", "clip_ball"),
         ("DENSITY_EXPONENTIAL", "exponential_length"),
         ("DENSITY_LINEAR", "linear_length"),
-        ("SUNS", "sun_airlight"),
+        ("BOUNDS_HULL", "clip_hull"),
+        ("DENSITY_PLANET", "planet_length"),
+        ("DENSITY_GRID", "grid_length"),
+        ("SUNS", "sun_between"),
         ("LAYERED", "scattering_at"),
         ("QUADRATURE", "airlight_between"),
         ("LUT", "tail_texels"),
@@ -244,7 +257,7 @@ fn an_effect_that_is_off_leaves_no_instruction_and_no_binding() {
         for (effect, mark) in marks {
             // The cone's function stays where another shape of lamp is: it is called by none.
             let shared = effect == "LAMP_LEGENDRE" && plan.has("PHASE_LEGENDRE")
-                || effect == "QUADRATURE" && plan.has("CLOSED_FORM")
+                || effect == "QUADRATURE" && (plan.has("CLOSED_FORM") || plan.has("LUT"))
                 || effect == "LAMP_CONE";
             assert!(!plan.has(effect) || text.contains(mark), "{plan}: {effect} without '{mark}'");
             assert!(plan.has(effect) || shared || !text.contains(mark), "{plan}: '{mark}' without {effect}");

@@ -3,6 +3,7 @@
 mod common;
 
 use bake_formats::glb::document as gltf;
+use bake_formats::manifest::{LightKind, LightRecord};
 use bake_runtime::scene::Texture;
 use bake_runtime::{Model, Renderer, Settings};
 use common::{Fixture, front, headless, picture};
@@ -162,18 +163,25 @@ fn passes_are_timed_where_the_device_can() {
     let material = fixture.material(|_| {});
     let square = fixture.square(material);
     fixture.place(square, Affine3A::IDENTITY, Vec2::ZERO, Vec2::ONE);
-    let model = Model::new(&headless.device, &headless.queue, fixture.load()).expect("small");
+    let mut model = Model::new(&headless.device, &headless.queue, fixture.load()).expect("small");
+    let kind = LightKind::Point { position: Vec3::Z, radius: 0.001, range: None, profile: None };
+    model.scene.dynamic_lights = vec![LightRecord { path: "lamp".into(), color: Vec3::ONE, kind }];
     let mut renderer = Renderer::new(&headless.device, &headless.queue, wgpu::TextureFormat::Rgba8Unorm);
     let target = headless.target(SIZE, wgpu::TextureFormat::Rgba8Unorm).create_view(&Default::default());
-    for timed in [false, true] {
-        renderer.draw(&model, &front(2.0), &Settings { timed, ..plain() }, &target, SIZE);
+    for (timed, shadow_size) in [(false, None), (true, None), (true, Some(64))] {
+        renderer.draw(&model, &front(2.0), &Settings { timed, shadow_size, ..plain() }, &target, SIZE);
         let able = headless.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         let Some(times) = renderer.milliseconds() else {
             assert!(!timed || !able, "timed in vain");
             continue;
         };
         let times = times.expect("timestamps come back");
-        assert_eq!(times.iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["surfaces", "tone"]);
+        // The lamp's six maps count as one.
+        let names: Vec<_> = times.iter().map(|(name, _)| *name).collect();
+        assert_eq!(
+            names,
+            if shadow_size.is_some() { vec!["shadows", "surfaces", "tone"] } else { vec!["surfaces", "tone"] }
+        );
         assert!(times.iter().all(|(_, ms)| ms.is_finite() && *ms >= 0.0), "{times:?}");
     }
 }

@@ -36,8 +36,8 @@ pub struct Facts {
     pub haze: Vec<Haze>,
     /// Whether there is a sky.
     pub sky: bool,
-    /// Milliseconds of each pass.
-    pub times: Vec<(&'static str, f64)>,
+    /// Milliseconds of each pass, of the left side and of the right one where there are two.
+    pub times: [Vec<(&'static str, f64)>; 2],
     /// Milliseconds of the whole picture, as the host sees it, and pixels across that share a texel.
     pub picture: (f64, u32),
     /// Luminance of the strongest colour of differences, cd/m².
@@ -339,13 +339,20 @@ fn times(ui: &mut Ui, facts: &Facts) {
     let (milliseconds, divisor) = facts.picture;
     let coarse = if divisor > 1 { format!(", 1/{divisor} across") } else { String::new() };
     ui.label(format!("picture {milliseconds:.1} ms{coarse}"));
-    if facts.times.is_empty() {
+    let [left, right] = &facts.times;
+    if left.is_empty() && right.is_empty() {
         ui.weak("the device tells no times of passes");
     }
+    let time = |side: &[(&str, f64)], pass: &str| {
+        let found = side.iter().find(|(name, _)| *name == pass);
+        found.map_or(String::new(), |(_, milliseconds)| format!("{milliseconds:8.2} ms"))
+    };
+    let only_right = right.iter().filter(|(pass, _)| left.iter().all(|(name, _)| name != pass));
     egui::Grid::new("times").show(ui, |ui| {
-        for (pass, milliseconds) in &facts.times {
+        for (pass, _) in left.iter().chain(only_right) {
             ui.label(*pass);
-            ui.monospace(format!("{milliseconds:8.2} ms"));
+            ui.monospace(time(left, pass));
+            ui.monospace(time(right, pass));
             ui.end_row();
         }
     });

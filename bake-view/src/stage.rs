@@ -206,9 +206,19 @@ impl Stage {
         Ok(Some(Readout { place: hit.place, node, lightmap }))
     }
 
-    /// Milliseconds of each pass of the last picture, where the device tells; of the left side where there are two.
-    pub fn milliseconds(&self) -> Vec<(&'static str, f64)> {
-        self.renderers[0].milliseconds().and_then(Result::ok).unwrap_or_default()
+    /// What the two sides are called together.
+    pub fn title(&self) -> String {
+        match self.names() {
+            (name, Some(other)) => format!("{name} | {other}"),
+            (name, None) => name.to_owned(),
+        }
+    }
+
+    /// Milliseconds of each pass of the last picture, where the device tells; of the right side only where it was drawn.
+    pub fn milliseconds(&self, look: &Look) -> [Vec<(&'static str, f64)>; 2] {
+        let of = |renderer: &Renderer| renderer.milliseconds().and_then(Result::ok).unwrap_or_default();
+        let [left, right] = &self.renderers;
+        [of(left), if look.split == Split::Off { Vec::new() } else { of(right) }]
     }
 }
 

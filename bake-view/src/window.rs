@@ -114,6 +114,7 @@ impl Desk {
         let config = configuration(&surface, &host, window.inner_size())?;
         surface.configure(&host.device, &config);
         let stage = open(package, options, host)?;
+        window.set_title(&format!("{} - bake", stage.title()));
         let host = &stage.host;
         let painting = egui_wgpu::RendererOptions { dithering: false, ..Default::default() };
         let mut painter = egui_wgpu::Renderer::new(&host.device, config.format, painting);
@@ -204,7 +205,7 @@ impl Desk {
         let _ = self.stage.host.device.poll(wgpu::PollType::wait_indefinitely());
         self.pace.drew(divisor, begin.elapsed().as_secs_f64());
         self.facts.picture = (begin.elapsed().as_secs_f64() * 1e3, divisor);
-        self.facts.times = self.stage.milliseconds();
+        self.facts.times = self.stage.milliseconds(&wanted.look);
         self.facts.full_difference = self.stage.full_difference(&wanted.look);
         self.facts.air_note = self.stage.air_note(&wanted.look);
         self.shown = Some(wanted);
@@ -284,9 +285,8 @@ fn viewer(stage: &Stage, options: &Options) -> Viewer {
 
 /// What does not change while the window is open.
 fn facts(stage: &Stage) -> Facts {
-    let (name, other) = stage.names();
     Facts {
-        title: other.map_or(name.to_owned(), |other| format!("{name} | {other}")),
+        title: stage.title(),
         adapter: stage.host.info.name.clone(),
         notes: stage.notes(),
         terms: stage.terms().to_vec(),

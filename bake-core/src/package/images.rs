@@ -1,6 +1,7 @@
 //! The images of a page.
 
 use super::luminance;
+use crate::scene::Environment;
 use crate::solve::buffers::{PageBuffers, Validity};
 use crate::solve::points::LatticeLight;
 use bake_formats::float_image::{FloatImage, Quantity};
@@ -60,6 +61,27 @@ pub(super) fn lattice(light: &LatticeLight, coefficients: usize) -> FloatImage {
     }
     let valid = light.places.iter().map(|place| f32::from(place.is_some())).collect();
     image.push("validity.Y", Quantity::Validity, valid);
+    image
+}
+
+/// Widest picture of an environment, texels.
+const ENVIRONMENT_WIDTH: u32 = 1024;
+
+/// An environment's radiance; wide ones are halved, each texel the mean of the four it stands for.
+pub(super) fn environment(environment: &Environment) -> FloatImage {
+    let (mut width, mut height) = (environment.width, environment.height);
+    let mut radiance = environment.radiance.clone();
+    while width > ENVIRONMENT_WIDTH && width % 2 == 0 && height % 2 == 0 {
+        let mean = |at: u32| {
+            let (x, y) = (2 * (at % (width / 2)), 2 * (at / (width / 2)));
+            let texel = |dx: u32, dy: u32| radiance[((y + dy) * width + x + dx) as usize];
+            (texel(0, 0) + texel(1, 0) + texel(0, 1) + texel(1, 1)) * 0.25
+        };
+        radiance = (0..width / 2 * (height / 2)).map(mean).collect();
+        (width, height) = (width / 2, height / 2);
+    }
+    let mut image = FloatImage::new(width, height);
+    image.push_rgb("", Quantity::Radiance, &radiance);
     image
 }
 

@@ -10,7 +10,7 @@ mod material;
 
 use crate::air::Air;
 use crate::atlas::Atlas;
-use crate::scene::Scene;
+use crate::scene::{Environment, Scene};
 use crate::solve::buffers::{PageBuffers, Validity};
 use crate::solve::kept_size::FILE_SUFFIX;
 use crate::solve::lattice::Lattice;
@@ -90,7 +90,8 @@ pub fn write_with(folder: &Path, bake: Bake, record: &Record, paths: Option<Name
     manifest.lights = baked.lights;
     manifest.instances = instances;
     manifest.terms = terms(bake.pages);
-    manifest.environment = environment(bake.scene);
+    manifest.environment =
+        bake.scene.environment.as_ref().map(|e| write_environment(&mut writer, e, record.pixels)).transpose()?;
     manifest.error_estimate = error_estimate(bake.pages);
     manifest.reproducible = record.reproducible;
     manifest.plan = record.plan.clone();
@@ -146,9 +147,12 @@ fn terms(pages: &[PageBuffers]) -> Vec<Term> {
     pages.first().map(|page| page.terms.iter().map(|image| image.term).collect()).unwrap_or_default()
 }
 
-/// Mean over the sphere: rows weigh as the sine of their polar angle.
-fn environment(scene: &Scene) -> Option<EnvironmentRecord> {
-    let environment = scene.environment.as_ref()?;
+/// Mean over the sphere (rows weigh as the sine of their polar angle), and the picture of what is not uniform.
+fn write_environment(
+    writer: &mut PackageWriter,
+    environment: &Environment,
+    pixels: PixelFormat,
+) -> Result<EnvironmentRecord> {
     let (mut sum, mut total) = (Vec3::ZERO, 0.0);
     for (y, row) in environment.radiance.chunks(environment.width as usize).enumerate() {
         let weight = (std::f32::consts::PI * (y as f32 + 0.5) / environment.height as f32).sin();
@@ -156,7 +160,9 @@ fn environment(scene: &Scene) -> Option<EnvironmentRecord> {
         total += weight * row.len() as f32;
     }
     let size = [environment.width, environment.height];
-    Some(EnvironmentRecord { size, rotation: environment.rotation, mean_radiance: sum / total })
+    let picture = (size != [1, 1]).then(|| images::environment(environment));
+    let file = picture.map(|image| writer.add_image("environment.exr", &image, pixels)).transpose()?;
+    Ok(EnvironmentRecord { size, rotation: environment.rotation, mean_radiance: sum / total, file })
 }
 
 /// 8-bit sRGB PNG of a page's total irradiance, at most `side` texels wide and high, for reports.

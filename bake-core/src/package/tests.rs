@@ -140,6 +140,26 @@ fn air() -> Air {
     Air { media: MediumSet { media: vec![haze, smoke] }, names, ..Air::default() }
 }
 
+/// Column 1 is brighter than the others, so that a turned or mirrored picture would show.
+fn stripes(width: u32, height: u32) -> Environment {
+    let value = |at: u32| if at % width / (width / 8).max(1) == 1 { 9.0 } else { 1.0 };
+    let radiance = (0..width * height).map(|at| Vec3::new(value(at), 2.0, (at / width) as f32)).collect();
+    Environment { width, height, radiance, rotation: 0.5 }
+}
+
+#[test]
+fn an_environments_picture_is_kept_and_a_wide_one_halved() {
+    let narrow = images::environment(&stripes(8, 4)).rgb("").unwrap();
+    assert_eq!(
+        (narrow.len(), narrow[0], narrow[1], narrow[8]),
+        (32, [1.0, 2.0, 0.0], [9.0, 2.0, 0.0], [1.0, 2.0, 1.0])
+    );
+    let wide = images::environment(&stripes(4096, 8));
+    assert_eq!((wide.width, wide.height), (1024, 2));
+    let texels = wide.rgb("").unwrap();
+    assert_eq!((texels[0], texels[128], texels[1024]), ([1.0, 2.0, 1.5], [9.0, 2.0, 1.5], [1.0, 2.0, 5.5]));
+}
+
 /// The runtime rebuilds the media from the package alone.
 #[test]
 fn media_come_back() {

@@ -3,6 +3,7 @@
 mod haze;
 pub(crate) mod records;
 mod upload;
+mod voxels;
 
 pub use haze::Haze;
 pub use upload::tail_texels;
@@ -26,7 +27,7 @@ pub enum Method {
     Vacuum,
     /// Two look-ups a Legendre order; uniform air, lamps that shine alike in all directions.
     Lut,
-    /// Exponential integrals; uniform isotropic air, lamps that shine alike in all directions.
+    /// Exponential integrals; uniform air of phase functions up to degree 2, lamps that shine alike in all directions.
     ClosedForm,
     /// Gauss–Legendre nodes on each side of a lamp's foot: every lamp and air.
     Quadrature,
@@ -97,7 +98,7 @@ pub struct AirPlan {
 /// Midpoints along a ray for light stored in a lattice.
 const LATTICE_STEPS: u32 = 24;
 
-/// Legendre orders of the table's phase functions.
+/// Legendre orders of the table's and the closed form's phase functions.
 pub const LUT_ORDERS: u32 = 3;
 
 impl AirPlan {
@@ -167,7 +168,9 @@ fn usable(method: Method, media: &[Medium], lights: &[&LightRecord], layered: bo
         Method::Lut | Method::ClosedForm if layered => Some("it needs air of one density that holds the lamps"),
         Method::Lut | Method::ClosedForm if shaped => Some("it needs lamps that shine alike in all directions"),
         Method::Lut if most > LUT_ORDERS as usize => Some("its tables hold three Legendre orders"),
-        Method::ClosedForm if most > 1 => Some("in single precision it holds for isotropic air only"),
+        Method::ClosedForm if most > LUT_ORDERS as usize => {
+            Some("in single precision it holds for phase functions up to degree 2")
+        }
         _ => None,
     };
     (if refused.is_some() { Method::Quadrature } else { method }, refused)
@@ -194,8 +197,11 @@ fn media_effects(media: &[Medium]) -> Vec<(&'static str, bool)> {
     vec![
         ("BOUNDS_BOX", any(|m| matches!(m.bounds, Bounds::Box { .. }))),
         ("BOUNDS_BALL", any(|m| matches!(m.bounds, Bounds::Sphere { .. }))),
+        ("BOUNDS_HULL", any(|m| matches!(m.bounds, Bounds::Hull(_)))),
         ("DENSITY_EXPONENTIAL", any(|m| matches!(m.density, Density::Exponential { .. }))),
         ("DENSITY_LINEAR", any(|m| matches!(m.density, Density::Linear { .. }))),
+        ("DENSITY_PLANET", any(|m| matches!(m.density, Density::Planet { .. }))),
+        ("DENSITY_GRID", any(|m| matches!(m.density, Density::Grid(_)))),
         ("PHASE_LINEAR", any(|m| matches!(m.phase, Phase::Linear { .. }))),
         ("PHASE_RAYLEIGH", any(|m| matches!(m.phase, Phase::Rayleigh))),
         ("PHASE_HENYEY_GREENSTEIN", any(|m| matches!(m.phase, Phase::HenyeyGreenstein { .. }))),

@@ -5,7 +5,7 @@ use bake_optics::airlight::Lut;
 use bake_optics::medium::{self, Bounds, Density};
 use bake_optics::phase::Phase;
 use bake_optics::surface::SurfaceTable;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, DVec4, Vec3};
 use wgpu::util::DeviceExt;
 
 use super::LUT_ORDERS;
@@ -87,44 +87,81 @@ impl AirBuffers {
 }
 
 impl Packed {
+    /// Appends numbers; the index of the first.
+    fn numbers(&mut self, numbers: impl IntoIterator<Item = f32>) -> u32 {
+        let first = self.coefficients.len() as u32;
+        self.coefficients.extend(numbers);
+        first
+    }
+
     fn medium(&mut self, source: &medium::Medium, eye: DVec3) {
-        let relative = |place: DVec3| (place - eye).clamp(DVec3::splat(-1e15), DVec3::splat(1e15)).as_vec3().to_array();
+        let mut packed = Medium::default();
+        self.bounds(&mut packed, source, eye);
+        self.density(&mut packed, &source.density, eye);
+        self.phase(&mut packed, &source.phase);
         let coefficients = |sigma: [f64; 3]| sigma.map(|s| s.clamp(0.0, DENSEST) as f32);
-        let (bounds, low, high) = match &source.bounds {
-            Bounds::Box { min, max } => (1, relative(*min), relative(*max)),
-            Bounds::Sphere { centre, radius } => (2, relative(*centre), [*radius as f32, 0.0, 0.0]),
+        packed.sigma_s = coefficients(source.scatter.sigma_s);
+        packed.sigma_t = coefficients(source.scatter.sigma_t());
+        self.media.push(packed);
+    }
+
+    /// Grids without bounds of their own end where their density does.
+    fn bounds(&mut self, packed: &mut Medium, source: &medium::Medium, eye: DVec3) {
+        let relative = |place: DVec3| (place - eye).clamp(DVec3::splat(-1e15), DVec3::splat(1e15)).as_vec3().to_array();
+        let (kind, low, high) = match (&source.bounds, &source.density) {
+            (Bounds::Box { min, max }, _) => (1, relative(*min), relative(*max)),
+            (Bounds::Sphere { centre, radius }, _) => (2, relative(*centre), [*radius as f32, 0.0, 0.0]),
+            (Bounds::Hull(planes), _) => {
+                let numbers = |p: &DVec4| p.truncate().extend(p.w - p.truncate().dot(eye)).as_vec4().to_array();
+                packed.planes = self.numbers(planes.iter().flat_map(numbers));
+                packed.plane_count = planes.len() as u32;
+                (3, [0.0; 3], [0.0; 3])
+            }
+            (_, Density::Grid(grid)) => {
+                let [min, max] = grid.bounding_box();
+                (1, relative(min), relative(max))
+            }
             _ => (0, [0.0; 3], [0.0; 3]),
         };
-        let (density, base, slope) = match source.density {
+        (packed.bounds, packed.low, packed.high) = (kind, low, high);
+    }
+
+    fn density(&mut self, packed: &mut Medium, source: &Density, eye: DVec3) {
+        let (kind, base, slope) = match source {
+            Density::Uniform => (0, 0.0, 0.0),
             Density::Exponential { base_m, scale_height_m } => (1, base_m - eye.y, 1.0 / scale_height_m),
-            Density::Linear { zero_m, slope_per_m } => (2, zero_m - eye.y, slope_per_m),
-            _ => (0, 0.0, 0.0),
+            Density::Linear { zero_m, slope_per_m } => (2, zero_m - eye.y, *slope_per_m),
+            Density::Planet { centre, radius_m, scale_height_m } => {
+                let from_eye = *centre - eye;
+                packed.grid_x = from_eye.extend(from_eye.length()).as_vec4().to_array();
+                (3, from_eye.length() - radius_m, 1.0 / scale_height_m)
+            }
+            Density::Grid(grid) => {
+                let grid_from_world = grid.world_from_grid().inverse();
+                let origin = grid_from_world.transform_point3(eye);
+                let row = |r: usize| grid_from_world.matrix3.row(r).extend(origin[r]).as_vec4().to_array();
+                (packed.grid_x, packed.grid_y, packed.grid_z) = (row(0), row(1), row(2));
+                [packed.count_x, packed.count_y, packed.count_z] = grid.size().as_uvec3().to_array();
+                packed.values = self.numbers(grid.values().iter().copied());
+                (4, 0.0, 0.0)
+            }
         };
-        let first = self.coefficients.len() as u32;
-        let (phase, asymmetry) = match &source.phase {
+        (packed.density, packed.base, packed.slope) = (kind, base as f32, slope as f32);
+    }
+
+    fn phase(&mut self, packed: &mut Medium, source: &Phase<f64>) {
+        let (kind, asymmetry) = match source {
             Phase::Linear { a1 } => (1, *a1),
             Phase::Rayleigh => (2, 0.0),
             Phase::HenyeyGreenstein { g } => (3, *g),
             Phase::Legendre(terms) => {
-                self.coefficients.extend(terms.iter().map(|&c| c as f32));
+                packed.first = self.numbers(terms.iter().map(|&c| c as f32));
+                packed.count = terms.len() as u32;
                 (4, 0.0)
             }
             _ => (0, 0.0),
         };
-        self.media.push(Medium {
-            low,
-            bounds,
-            high,
-            density,
-            sigma_s: coefficients(source.scatter.sigma_s),
-            base: base as f32,
-            sigma_t: coefficients(source.scatter.sigma_t()),
-            slope: slope as f32,
-            phase,
-            asymmetry: asymmetry as f32,
-            first,
-            count: self.coefficients.len() as u32 - first,
-        });
+        (packed.phase, packed.asymmetry) = (kind, asymmetry as f32);
     }
 
     fn light(&mut self, light: &LightRecord, eye: DVec3, dynamic: bool) {
@@ -164,8 +201,8 @@ impl Packed {
     fn profile(&mut self, lamp: &mut Lamp, profile: Option<&ProfileRecord>) {
         let Some(profile) = profile else { return };
         lamp.axis = profile.axis.try_normalize().unwrap_or(Vec3::NEG_Y).to_array();
-        (lamp.shape, lamp.first, lamp.count) = (2, self.coefficients.len() as u32, profile.legendre.len() as u32);
-        self.coefficients.extend(&profile.legendre);
+        (lamp.shape, lamp.count) = (2, profile.legendre.len() as u32);
+        lamp.first = self.numbers(profile.legendre.iter().copied());
     }
 }
 

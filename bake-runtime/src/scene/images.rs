@@ -6,6 +6,7 @@ use bake_formats::{Manifest, Package};
 use glam::Vec3;
 
 use crate::error::{Result, RuntimeError};
+use crate::sky::SkyPicture;
 
 /// A lightmap page.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +50,15 @@ pub(super) fn read_pages(package: &Package) -> Result<Vec<Page>> {
             Ok(Page { width: image.width, height: image.height, irradiance, sh1: sh1.transpose()? })
         })
         .collect()
+}
+
+/// The environment's picture.
+pub(super) fn read_sky(package: &Package) -> Result<Option<SkyPicture>> {
+    let Some(record) = &package.manifest.environment else { return Ok(None) };
+    let Some(file) = &record.file else { return Ok(None) };
+    let image = package.image(file)?;
+    let radiance = rgb(&image, file, "")?;
+    Ok(Some(SkyPicture { width: image.width, height: image.height, radiance, rotation: record.rotation }))
 }
 
 /// Light at points in space as `bands`² harmonics, and where each point's light was gathered.

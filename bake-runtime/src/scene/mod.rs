@@ -23,6 +23,7 @@ use crate::air::records;
 use crate::error::{Result, RuntimeError};
 use crate::layout::{Instance, Surface};
 use crate::prune;
+use crate::sky::SkyPicture;
 
 /// A vertex of the one list.
 #[repr(C)]
@@ -150,6 +151,8 @@ pub struct SceneData {
     pub notes: Vec<String>,
     /// Light from infinitely far away.
     pub environment: Option<EnvironmentRecord>,
+    /// Its picture, where it is not uniform.
+    pub sky: Option<SkyPicture>,
     /// Box around everything, metres.
     pub bounds: [Vec3; 2],
 }
@@ -167,6 +170,7 @@ impl SceneData {
             environment: package.manifest.environment.clone(),
             ..Self::default()
         };
+        scene.sky = images::read_sky(package)?;
         scene.place(&baked);
         let placed = |node: &Node| PlacedNode { path: node.path.clone(), page: node.lightmap.as_ref().map(|l| l.page) };
         scene.nodes = baked.nodes.iter().map(placed).collect();

@@ -2,13 +2,16 @@
 
 use bake_optics::airlight::{Airlight, ClosedForm, IsotropicLamp, Lut, Oracle, RayMarch, Sight, UniformAir, Vacuum};
 use bake_optics::emitter::Emitter;
+use bake_optics::medium::grid::DensityGrid;
 use bake_optics::medium::{self, Bounds, Density, MediumSet, Ray};
 use bake_optics::phase::Phase;
 use bake_runtime::layout::Medium;
 use bake_runtime::variant::{Pass, Variant};
-use glam::DVec3;
+use glam::{DAffine3, DQuat, DVec3, IVec3};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
+
+use std::sync::Arc;
 
 use crate::harness::Case;
 
@@ -61,6 +64,7 @@ fn uniform(row: &[f64], phase: &Phase<f64>) -> UniformAir<f64> {
 
 fn effects(phase: &Phase<f64>) -> Variant {
     Variant::new(Pass::Air)
+        .with("PHASE_LINEAR", matches!(phase, Phase::Linear { .. }))
         .with("PHASE_RAYLEIGH", matches!(phase, Phase::Rayleigh))
         .with("PHASE_HENYEY_GREENSTEIN", matches!(phase, Phase::HenyeyGreenstein { .. }))
         .with("PHASE_LEGENDRE", matches!(phase, Phase::Legendre(_)))
@@ -73,6 +77,7 @@ fn effects(phase: &Phase<f64>) -> Variant {
 /// The medium with extinction 1: rows are scaled by their extinction instead, which leaves optical lengths as they are.
 fn media(phase: &Phase<f64>) -> (Vec<Medium>, Vec<f32>) {
     let (kind, asymmetry, terms) = match phase {
+        Phase::Linear { a1 } => (1, *a1 as f32, Vec::new()),
         Phase::Rayleigh => (2, 0.0, Vec::new()),
         Phase::HenyeyGreenstein { g } => (3, *g as f32, Vec::new()),
         Phase::Legendre(terms) => (4, 0.0, terms.iter().map(|&c| c as f32).collect()),
@@ -163,7 +168,11 @@ pub fn cases() -> Vec<Case> {
         let trial = trial(name, &["airlight_vacuum"], "lamp_airlight", phase, lamp, 1e-4);
         trial.case(|sight, lamp, air| Vacuum::default().radiance(sight, lamp, air))
     };
-    let (closed, march): (&[&str], &[&str]) = (&["airlight_closed_form"], &["airlight_ray_march"]);
+    let march: &[&str] = &["airlight_ray_march"];
+    let closed_form = |name, phase| {
+        let trial = trial(name, &["airlight_closed_form"], "lamp_airlight_closed", phase, Emitter::Isotropic, 1e-3);
+        trial.case(|sight, _, air| ClosedForm::default().radiance(sight, &IsotropicLamp, air))
+    };
     let block = Bounds::Box { min: DVec3::new(-2.0, -1.0, -3.0), max: DVec3::new(1.0, 2.0, 0.5) };
     let ball_bounds = Bounds::Sphere { centre: DVec3::new(0.5, 0.25, -1.0), radius: 3.0 };
     let layer = Density::Exponential { base_m: 1.5, scale_height_m: 4.0 };
@@ -176,8 +185,10 @@ pub fn cases() -> Vec<Case> {
         quadrature("quadrature, Legendre lamp", 16, Phase::Isotropic, ball()),
         vacuum("vacuum, isotropic", Phase::Isotropic, Emitter::Isotropic),
         vacuum("vacuum, Rayleigh", Phase::Rayleigh, ball()),
-        trial("closed form", closed, "lamp_airlight_closed", Phase::Isotropic, Emitter::Isotropic, 1e-3)
-            .case(|sight, _, air| ClosedForm::default().radiance(sight, &IsotropicLamp, air)),
+        closed_form("closed form", Phase::Isotropic),
+        closed_form("closed form, Rayleigh", Phase::Rayleigh),
+        closed_form("closed form, linear", Phase::Linear { a1: -0.75 }),
+        closed_form("closed form, degree 2", Phase::Legendre(vec![1.0, 1.5, 0.75])),
         trial("ray march", march, "lamp_airlight", Phase::Isotropic, Emitter::Isotropic, 1e-3)
             .case(|sight, lamp, air| RayMarch { steps: 64 }.radiance(sight, lamp, air)),
         lut(),
@@ -185,19 +196,37 @@ pub fn cases() -> Vec<Case> {
         optical_length("linear", Density::Linear { zero_m: 2.0, slope_per_m: -0.25 }, Bounds::Unbounded, 2e-5),
         optical_length("box", Density::Uniform, block, 2e-5),
         optical_length("ball", Density::Uniform, ball_bounds, 1e-4),
+        optical_length("hull", Density::Uniform, prism(), 2e-5),
+        optical_length("grid", cloud(), Bounds::Unbounded, 2e-5),
+        optical_length("planet", planet(6.371e6, 8.0e3), Bounds::Unbounded, 2e-5),
+        optical_length("small planet", planet(40.0, 3.0), Bounds::Unbounded, 2e-5),
     ]
 }
 
-/// The table against the same table looked up in f64.
+/// A planet 2 m below the origin, tilted so that no axis is its up.
+fn planet(radius_m: f64, scale_height_m: f64) -> Density {
+    // Its centre is exact in f32.
+    let centre = DVec3::new(-0.5, -0.75, 0.375) * radius_m.log2().floor().exp2();
+    Density::Planet { centre, radius_m: centre.length() - 2.0, scale_height_m }
+}
+
+/// The table against the same table looked up in f64; where its two look-ups cancel, against the oracle.
 fn lut() -> Case {
     let table = Lut::new(256, 3);
     let twin = move |sight: &Sight<f64>, _: &Emitter<f64>, air: &UniformAir<f64>| {
         let height = sight.h.max(1e-4 * sight.eye_distance());
-        table.radiance(&Sight { h: height, ..*sight }, &IsotropicLamp, air)
+        let near = Sight { h: height, ..*sight };
+        let (h, va, excess) = (air.sigma_t * height, near.behind() / height, near.excess(near.length));
+        let whole = table.tail(0, h, va);
+        let left = whole - (-air.sigma_t * excess).exp() * table.tail(0, h, va + excess / height);
+        match left < 0.05 * whole || va > 20.0 {
+            true => Oracle::default().radiance(sight, &IsotropicLamp, air),
+            false => table.radiance(&near, &IsotropicLamp, air),
+        }
     };
-    let (roots, function): (&[&str], _) = (&["airlight_lut"], "lamp_airlight");
+    let (roots, function): (&[&str], _) = (&["airlight_lut"], "lamp_airlight_table");
     let (phase, lamp, limit) = (Phase::Rayleigh, Emitter::Isotropic, 5e-5);
-    let mut case = Trial { name: "lut", roots, function, nodes: 1, phase, lamp, limit }.case(twin);
+    let mut case = Trial { name: "lut", roots, function, nodes: 16, phase, lamp, limit }.case(twin);
     // The difference of two look-ups: relative to the endless ray's light.
     case.twin = {
         let (value, phase) = (case.twin, Phase::Rayleigh);
@@ -212,32 +241,41 @@ fn lut() -> Case {
 
 /// Optical length of a ray from the eye (a.xyz, length a.w, direction b.xyz).
 fn optical_length(name: &'static str, density: Density, bounds: Bounds, limit: f64) -> Case {
-    let (kind, base, slope) = match density {
-        Density::Exponential { base_m, scale_height_m } => (1, base_m, 1.0 / scale_height_m),
-        Density::Linear { zero_m, slope_per_m } => (2, zero_m, slope_per_m),
-        _ => (0, 0.0, 0.0),
+    let mut record = Medium { sigma_t: [1.0; 3], ..Medium::default() };
+    let mut coefficients = Vec::new();
+    let (kind, base, slope) = match &density {
+        Density::Exponential { base_m, scale_height_m } => (1, *base_m, 1.0 / scale_height_m),
+        Density::Linear { zero_m, slope_per_m } => (2, *zero_m, *slope_per_m),
+        Density::Planet { centre, radius_m, scale_height_m } => {
+            record.grid_x = centre.extend(centre.length()).as_vec4().to_array();
+            (3, centre.length() - radius_m, 1.0 / scale_height_m)
+        }
+        Density::Grid(grid) => {
+            let map = grid.world_from_grid().inverse();
+            let row = |r: usize| map.matrix3.row(r).extend(map.translation[r]).as_vec4().to_array();
+            (record.grid_x, record.grid_y, record.grid_z) = (row(0), row(1), row(2));
+            [record.count_x, record.count_y, record.count_z] = grid.size().as_uvec3().to_array();
+            coefficients.extend(grid.values());
+            (4, 0.0, 0.0)
+        }
+        Density::Uniform => (0, 0.0, 0.0),
     };
     let (shape, low, high) = match &bounds {
         Bounds::Box { min, max } => (1, *min, *max),
         Bounds::Sphere { centre, radius } => (2, *centre, DVec3::new(*radius, 0.0, 0.0)),
+        Bounds::Hull(planes) => {
+            record.plane_count = planes.len() as u32;
+            coefficients.extend(planes.iter().flat_map(|plane| plane.as_vec4().to_array()));
+            (3, DVec3::ZERO, DVec3::ZERO)
+        }
         _ => (0, DVec3::ZERO, DVec3::ZERO),
     };
-    let record = Medium {
-        low: low.as_vec3().to_array(),
-        high: high.as_vec3().to_array(),
-        bounds: shape,
-        density: kind,
-        base: base as f32,
-        slope: slope as f32,
-        sigma_t: [1.0; 3],
-        ..Medium::default()
-    };
-    let variant = Variant::new(Pass::Air)
-        .with("DENSITY_EXPONENTIAL", kind == 1)
-        .with("DENSITY_LINEAR", kind == 2)
-        .with("BOUNDS_BOX", shape == 1)
-        .with("BOUNDS_BALL", shape == 2)
-        .constant("MEDIA", 1);
+    (record.bounds, record.low, record.high) = (shape, low.as_vec3().to_array(), high.as_vec3().to_array());
+    (record.density, record.base, record.slope) = (kind, base as f32, slope as f32);
+    let effects = ["DENSITY_EXPONENTIAL", "DENSITY_LINEAR", "DENSITY_PLANET", "DENSITY_GRID"].into_iter().zip(1..);
+    let variant = effects.fold(Variant::new(Pass::Air), |v, (effect, own)| v.with(effect, kind == own));
+    let effects = ["BOUNDS_BOX", "BOUNDS_BALL", "BOUNDS_HULL"].into_iter().zip(1..);
+    let variant = effects.fold(variant, |v, (effect, own)| v.with(effect, shape == own)).constant("MEDIA", 1);
     let scatter = medium::Scatter { sigma_s: [1.0; 3], sigma_a: [0.0; 3] };
     let set = MediumSet { media: vec![medium::Medium { bounds, density, scatter, phase: Phase::Isotropic }] };
     let mut inputs = rays();
@@ -260,6 +298,27 @@ fn optical_length(name: &'static str, density: Density, bounds: Bounds, limit: f
             (vec![set.optical_depth(&ray)[0]], 1e-2)
         }),
         media: vec![record],
+        coefficients,
         ..Case::default()
     }
+}
+
+/// A grid of noise, turned and longer one way than the others; the last rays' origins lie within.
+fn cloud() -> Density {
+    let mut random = SmallRng::seed_from_u64(3);
+    let size = IVec3::new(5, 4, 6);
+    let values = (0..size.element_product()).map(|_| random.random_range(0.0f32..2.0)).collect();
+    let placed = DAffine3::from_scale_rotation_translation(
+        DVec3::new(0.5, 1.0, 0.75),
+        DQuat::from_euler(glam::EulerRot::YXZ, 0.4, -0.7, 1.1),
+        DVec3::new(-1.0, 0.0, -2.0),
+    );
+    Density::Grid(Arc::new(DensityGrid::new(size, values, placed).expect("valid")))
+}
+
+/// A prism with a slanted roof.
+fn prism() -> Bounds {
+    let plane = |x: f64, y: f64, z: f64, d: f64| DVec3::new(x, y, z).normalize().extend(d);
+    let sides = [plane(1.0, 0.2, 0.0, 1.5), plane(-1.0, 0.0, 0.5, 2.0), plane(-0.3, 0.0, -1.0, 1.0)];
+    Bounds::Hull(sides.into_iter().chain([plane(0.3, 1.0, 0.2, 1.25), plane(0.0, -1.0, 0.0, 0.5)]).collect())
 }

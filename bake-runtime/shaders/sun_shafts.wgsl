@@ -1,0 +1,63 @@
+// Light shafts of a sun: the ray is split into lit intervals by its shadow map, and each is integrated as if it were alone.
+// uses: airlight_sun, shadow
+
+// Bisections of a border between light and shadow.
+const SUN_REFINEMENTS = 6u;
+
+// The part of a ray that a sun's map covers; beyond it all is lit.
+fn mapped_span(ray: ViewRay, sun: Sun) -> vec2f {
+    let view = shadow_views[sun.shadow].clip_from_relative;
+    let at = (view * vec4f(ray.origin, 1.0)).xy;
+    let speed = (view * vec4f(ray.dir, 0.0)).xy;
+    var span = vec2f(0.0, ray.length);
+    for (var i = 0u; i < 2u; i++) {
+        if abs(speed[i]) < 1e-12 {
+            if abs(at[i]) >= 1.0 { return vec2f(0.0); }
+            continue;
+        }
+        let a = clamp((-1.0 - at[i]) / speed[i], -1e30, 1e30);
+        let b = clamp((1.0 - at[i]) / speed[i], -1e30, 1e30);
+        span = vec2f(max(span.x, min(a, b)), min(span.y, max(a, b)));
+    }
+    return span;
+}
+
+// Where light changes between `from_s` and `to_s`, whose states differ.
+fn sun_border(ray: ViewRay, sun: Sun, from_s: f32, to_s: f32, from_lit: bool) -> f32 {
+    var low = from_s;
+    var high = to_s;
+    for (var i = 0u; i < SUN_REFINEMENTS; i++) {
+        let middle = 0.5 * (low + high);
+        if sun_is_lit(sun, ray.origin + ray.dir * middle) == from_lit { low = middle; } else { high = middle; }
+    }
+    return 0.5 * (low + high);
+}
+
+fn sun_airlight_shadowed(ray: ViewRay, sun: Sun) -> vec3f {
+    if sun.shadow == UNSHADOWED {
+        return sun_between(ray, sun, 0.0, ray.length);
+    }
+    let span = mapped_span(ray, sun);
+    if span.x >= span.y {
+        return sun_between(ray, sun, 0.0, ray.length);
+    }
+    let step = (span.y - span.x) / f32(SHAFT_STEPS);
+    var sum = vec3f(0.0);
+    var begin = 0.0;
+    var lit = true;
+    var s = span.x;
+    // The last turn leaves the map for the light behind it.
+    for (var i = 0u; i <= SHAFT_STEPS + 1u; i++) {
+        let next = min(span.x + step * f32(i), span.y);
+        let next_lit = i > SHAFT_STEPS || sun_is_lit(sun, ray.origin + ray.dir * next);
+        if next_lit != lit {
+            var border = next;
+            if i > 0u && i <= SHAFT_STEPS { border = sun_border(ray, sun, s, next, lit); }
+            if lit { sum += sun_between(ray, sun, begin, border); }
+            begin = border;
+            lit = next_lit;
+        }
+        s = next;
+    }
+    return sum + sun_between(ray, sun, begin, ray.length);
+}
