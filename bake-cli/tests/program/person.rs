@@ -74,7 +74,8 @@ impl Display {
         let mut server = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().ok()?;
         let mut number = String::new();
         BufReader::new(server.stdout.take()?).read_line(&mut number).ok()?;
-        let name = format!(":{}", number.trim());
+        // A server that found no place for its socket ends without a number.
+        let name = format!(":{}", number.trim().parse::<u32>().ok()?);
         let (connection, screen) = x11rb::connect(Some(&name)).expect("the display that was just started answers");
         let root = connection.setup().roots[screen].root;
         Some(Self { server, name, connection, root })
