@@ -22,6 +22,9 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [old, new, rest @ ..] = arguments.as_slice() else { return Err("ab OLD NEW [PAIRS]".into()) };
     let count = rest.first().map_or(Ok(8), |count| count.parse())?;
+    if count < 3 {
+        return Err("at least 3 pairs: fewer do not tell their noise".into());
+    }
     let mut lost = false;
     for (scene, flags) in BAKES {
         let pairs = (0..count).map(|turn| pair(old, new, scene, flags, turn)).collect::<Result<Vec<_>, _>>()?;

@@ -268,3 +268,39 @@ fn strong_phase_functions_get_tables_of_their_own() {
     worst.check();
     assert!(control > 0.05, "twenty orders must not suffice: {control}");
 }
+
+/// Less memory: same numbers where nothing is taken away, no degrees above the cut, larger errors with fewer distances.
+#[test]
+fn reduced_tables_lose_what_was_asked_and_nothing_else() {
+    let whole = TableSet::embedded();
+    let recipe = whole.recipe();
+    let air = Air::isotropic(0.9);
+    let area = |set: &TableSet, d: f32| set.area(&air, Scatter::Single).coefficients(1.0, d, 0.3);
+    let point = |set: &TableSet, d: f32| {
+        let mut c = [0.0f32; 11];
+        set.point(&air, Scatter::Multiple(3)).coefficients(1.0, d, &mut c);
+        c
+    };
+    let (same, cut) = (whole.reduced(recipe.read_bins, recipe.bands), whole.reduced(recipe.read_bins, 3));
+    assert_eq!((area(&same, 0.7), point(&same, 0.7)), (area(whole, 0.7), point(whole, 0.7)));
+    assert_eq!(point(&cut, 0.7)[..3], point(whole, 0.7)[..3]);
+    assert!(point(&cut, 0.7)[3..].iter().all(|c| *c == 0.0));
+    for ((got, want), (l, _)) in area(&cut, 0.7).iter().zip(area(whole, 0.7)).zip(tables::axial::HARMONICS) {
+        // Steps of a node follow its largest coefficient, which the cut may take away.
+        assert!(
+            if l < 3 { (got - want).abs() < 1e-4 * want.abs().max(0.01) } else { *got == 0.0 },
+            "l {l}: {got} {want}"
+        );
+    }
+    let error = |bins: usize| {
+        let coarse = whole.reduced(bins, recipe.bands);
+        let off = |i: usize| {
+            let d = 0.01 * 1.37f32.powi(i as i32);
+            (point(&coarse, d)[0] / point(whole, d)[0] - 1.0).abs()
+        };
+        (0..20).map(off).fold(0.0, f32::max)
+    };
+    let errors = [16, 32, 64].map(error);
+    println!("errors of point light at 16, 32, 64 distances: {errors:?}");
+    assert!(errors[0] > 2.5 * errors[1] && errors[1] > 2.5 * errors[2] && errors[2] > 0.0);
+}
