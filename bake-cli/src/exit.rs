@@ -1,6 +1,7 @@
 //! How a command ends, as an exit code; the only place that prints errors.
 
 use crate::cli::Global;
+use crate::console;
 use bake_core::settings::{SettingsError, Syntax};
 use miette::{Diagnostic, LabeledSpan, NamedSource, Report, SourceCode};
 use std::error::Error;
@@ -182,9 +183,9 @@ pub fn conclude(result: Result<Outcome, Failure>, global: &Global) -> ExitCode {
 /// Prints a failure on standard error and gives its exit code.
 pub fn report(failure: &Failure) -> ExitCode {
     match failure {
-        Failure::Failed(report) | Failure::Invalid(report) => eprintln!("{report:?}"),
-        Failure::Interrupted => eprintln!("interrupted; nothing was written"),
-        Failure::Paused(what) => eprintln!("interrupted; {what}"),
+        Failure::Failed(report) | Failure::Invalid(report) => console::tell(&format!("{report:?}")),
+        Failure::Interrupted => console::tell("interrupted; nothing was written"),
+        Failure::Paused(what) => console::tell(&format!("interrupted; {what}")),
     }
     ExitCode::from(failure.code())
 }

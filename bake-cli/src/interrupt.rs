@@ -19,7 +19,7 @@ impl Interrupt {
             }
         };
         if ctrlc::set_handler(handler).is_err() {
-            eprintln!("warning: Ctrl-C cannot be caught on this system and will end the program at once");
+            crate::console::tell("warning: Ctrl-C cannot be caught on this system and will end the program at once");
         }
         interrupt
     }

@@ -1,10 +1,14 @@
 //! The `bake` program: flags, progress, reports, exit codes; nothing numeric.
 //!
 //! `cli` says what can be asked, `commands` does it (one file per command), `exit` turns its end into a process
-//! status and is the only place that prints errors.
+//! status and is the only place that prints errors, `console` is all printing's way out.
+
+// Both panic where the reader is gone; `console` does not.
+#![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod cli;
 mod commands;
+mod console;
 mod exit;
 mod explain_text;
 mod flags;

@@ -2,6 +2,7 @@
 
 use super::sample::failure;
 use crate::cli::Global;
+use crate::console;
 use crate::exit::{Failure, Outcome};
 use crate::stdout;
 use bake_formats::Package;
@@ -47,9 +48,9 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
         }
     }
     if global.json {
-        stdout::print(format_args!("{}\n", serde_json::to_string_pretty(&diff).map_err(Failure::failed)?));
+        console::print_line(&serde_json::to_string_pretty(&diff).map_err(Failure::failed)?)?;
     } else {
-        stdout::print(format_args!("{}", table(&diff)));
+        console::print(&table(&diff))?;
     }
     Ok(Outcome::Done)
 }

@@ -1,6 +1,7 @@
 //! `bake init`: a commented settings file beside a scene.
 
 use crate::cli::Global;
+use crate::console;
 use crate::exit::{Failure, Outcome};
 use crate::input::check_scene_file;
 use crate::stdout;
@@ -28,9 +29,9 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     }
     write_whole(&file, TEMPLATE).map_err(|error| Failure::unwritable(&file, error))?;
     if global.json {
-        stdout::print(format_args!("{}\n", serde_json::json!({ "settings": file })));
+        console::print_line(&serde_json::json!({ "settings": file }).to_string())?;
     } else if !global.quiet {
-        stdout::print(format_args!("wrote {}\n", file.display()));
+        console::print_line(&format!("wrote {}", file.display()))?;
     }
     Ok(Outcome::Done)
 }

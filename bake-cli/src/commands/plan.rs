@@ -2,6 +2,7 @@
 //! tell how bright the scene is.
 
 use crate::cli::Global;
+use crate::console;
 use crate::exit::{Failure, Outcome};
 use crate::flags::RARE;
 use crate::input::{HELP_TEMPLATE, Input};
@@ -39,9 +40,9 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     let plan =
         Plan::derive(&Tracer::new(&job.scene), &job.air, &job.settings, &job.atlas, rayon::current_num_threads())?;
     if global.json {
-        stdout::print(format_args!("{}\n", serde_json::to_string_pretty(&plan).expect("plain data becomes JSON")));
+        console::print_line(&serde_json::to_string_pretty(&plan).expect("plain data becomes JSON"))?;
     } else {
-        stdout::print(format_args!("{}", plan_text::text(&job.scene.name, &plan)));
+        console::print(&plan_text::text(&job.scene.name, &plan))?;
     }
     Ok(Outcome::Done)
 }

@@ -54,7 +54,7 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     let progress = Progress::new(global, Interrupt::listen());
     let result = refog(args, global, &progress);
     progress.finish();
-    Ok(super::run::report(&result?, global))
+    super::run::report(&result?, global)
 }
 
 fn refog(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, Failure> {
@@ -69,6 +69,12 @@ fn refog(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, 
     let left_out = leave_out(&mut settings);
     settings.check()?;
     let mut job = Job::prepare(&scene_file, settings, progress)?;
+    if job.scene.blake3 != package.manifest.scene.blake3 {
+        return Err(Failure::wrong(
+            format!("{} is no longer the scene that was baked", scene_file.display()),
+            "name the old one with `--scene-file FILE`, or bake anew with `bake run … --keep-paths`",
+        ));
+    }
     job.warnings.extend(left_out);
     job.seconds.iter().for_each(|&(stage, seconds)| stopwatch.add(stage, seconds));
     let output = Output::open(folder, &job.scene.name)?;
@@ -118,7 +124,7 @@ impl Args {
         Ok(folder)
     }
 
-    /// The scene file, if it is still the one that was baked.
+    /// The scene file.
     fn scene_file(&self, package: &Package) -> Result<PathBuf, Failure> {
         let source = &package.manifest.scene;
         let folder = if self.package.is_dir() { self.package.as_path() } else { package_folder(&self.package) };
@@ -132,13 +138,6 @@ impl Args {
                 "name it with `--scene-file FILE`",
             ));
         };
-        let blake3 = fingerprint::scene(file).map_err(|error| Failure::unreadable(file, &error))?;
-        if blake3 != source.blake3 {
-            return Err(Failure::wrong(
-                format!("{} is no longer the scene that was baked", file.display()),
-                "name the old one with `--scene-file FILE`, or bake anew with `bake run … --keep-paths`",
-            ));
-        }
         Ok(file.clone())
     }
 }

@@ -1,6 +1,7 @@
 //! `bake run`: the main job, from a scene file to a package on disk.
 
 use crate::cli::Global;
+use crate::console;
 use crate::exit::{Failure, Outcome};
 use crate::explain_text;
 use crate::flags::RARE;
@@ -51,17 +52,17 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     let progress = Progress::new(global, Interrupt::listen());
     let result = bake(args, global, &progress);
     progress.finish();
-    Ok(report(&result?, global))
+    report(&result?, global)
 }
 
 /// Prints what was measured.
-pub fn report(measured: &Measured, global: &Global) -> Outcome {
+pub fn report(measured: &Measured, global: &Global) -> Result<Outcome, Failure> {
     if global.json {
-        stdout::print(format_args!("{}\n", serde_json::to_string_pretty(measured).expect("plain data becomes JSON")));
+        console::print_line(&serde_json::to_string_pretty(measured).expect("plain data becomes JSON"))?;
     } else if !global.quiet {
-        stdout::print(format_args!("{}{}", measured.table(), explain_text::text(measured)));
+        console::print(&(measured.table() + &explain_text::text(measured)))?;
     }
-    if measured.lightless_texels == 0 { Outcome::Done } else { Outcome::DoneWithGaps }
+    Ok(if measured.lightless_texels == 0 { Outcome::Done } else { Outcome::DoneWithGaps })
 }
 
 fn bake(args: &Args, global: &Global, progress: &Progress) -> Result<Measured, Failure> {
@@ -217,6 +218,7 @@ impl From<Interrupted> for Failure {
 fn finish_pages(job: &Job, pages: &mut [PageBuffers]) {
     /// Largest angle between normals on both sides of a seam, degrees: surfaces meant as smooth stay below.
     const SMOOTH_ANGLE: f32 = 15.0;
+    post::adopt(&job.scene, &job.atlas.pages, pages);
     post::dilate(&job.atlas, pages, job.settings.padding);
     let seams = post::find_seams(&job.scene, &job.atlas, SMOOTH_ANGLE);
     post::stitch(&seams, &job.atlas, pages);

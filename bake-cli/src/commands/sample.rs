@@ -1,6 +1,7 @@
 //! `bake sample`: baked light at points in space, as comma separated text.
 
 use crate::cli::Global;
+use crate::console;
 use crate::exit::{Failure, Outcome};
 use bake_formats::package::write_atomic;
 use bake_formats::sample::{Sampler, sample_csv};
@@ -42,10 +43,12 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     })?;
     match &args.output {
         Some(file) => write_atomic(file, |out| out.write_all(light.as_bytes())).map_err(failure)?,
-        None => std::io::stdout().write_all(light.as_bytes()).map_err(Failure::failed)?,
+        None => console::print(&light)?,
     }
     if unanswered > 0 && !global.quiet {
-        eprintln!("{unanswered} points have empty cells: no lightmapped surface faces along their normals");
+        console::tell(&format!(
+            "{unanswered} points have empty cells: no lightmapped surface faces along their normals"
+        ));
     }
     Ok(Outcome::Done)
 }

@@ -1,6 +1,7 @@
 //! `bake study`: what accuracy costs in time, for one scene.
 
 use crate::cli::Global;
+use crate::console;
 use crate::exit::{Failure, Outcome};
 use crate::flags::RARE;
 use crate::input::{HELP_TEMPLATE, Input};
@@ -63,7 +64,7 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     progress.finish();
     let told = told?;
     if !global.quiet || global.json {
-        stdout::print(format_args!("{told}"));
+        console::print(&told)?;
     }
     Ok(Outcome::Done)
 }

@@ -11,6 +11,7 @@ use bake_core::progress::Progress as _;
 use bake_formats::table_file::{Precision, TableFile};
 
 use crate::cli::Global;
+use crate::console;
 use crate::exit::{Failure, Outcome};
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
@@ -138,7 +139,7 @@ fn generate(args: &Generate, global: &Global) -> Result<Outcome, Failure> {
     let progress = Progress::new(global, Interrupt::default());
     let file = ::tables::generate(&recipe, &reporter(&progress));
     file.write(&args.output).map_err(Failure::failed)?;
-    stdout::print(format_args!("{}\n", args.output.display()));
+    console::print_line(&args.output.display().to_string())?;
     Ok(Outcome::Done)
 }
 
@@ -168,7 +169,7 @@ fn read(file: &Option<PathBuf>) -> Result<TableFile, Failure> {
 
 fn inspect(args: &Inspect) -> Result<Outcome, Failure> {
     let file = read(&args.file)?;
-    stdout::print(format_args!("{}\n", serde_json::to_string_pretty(&file.manifest).map_err(Failure::failed)?));
+    console::print_line(&serde_json::to_string_pretty(&file.manifest).map_err(Failure::failed)?)?;
     if let Some(path) = &args.svg {
         let tables = TableSet::from_file(&file).map_err(Failure::invalid)?;
         let svg = drawing::draw(tables.table(&args.table), tables.recipe().bands, &args.table);
@@ -179,11 +180,12 @@ fn inspect(args: &Inspect) -> Result<Outcome, Failure> {
 
 fn verify(args: &Verify) -> Result<Outcome, Failure> {
     let checks = accuracy::verify(&read(&args.file)?, args.samples, args.seed).map_err(Failure::invalid)?;
-    stdout::print(format_args!("{:<20} {:>12} {:>12}\n", "table", "stated", "measured"));
+    let mut text = format!("{:<20} {:>12} {:>12}\n", "table", "stated", "measured");
     for check in &checks {
         let verdict = if check.holds { "" } else { "  TOO LARGE" };
-        stdout::print(format_args!("{:<20} {:>12.2e} {:>12.2e}{verdict}\n", check.table, check.stored, check.measured));
+        text += &format!("{:<20} {:>12.2e} {:>12.2e}{verdict}\n", check.table, check.stored, check.measured);
     }
+    console::print(&text)?;
     match checks.iter().find(|check| !check.holds) {
         Some(check) => Err(Failure::wrong(
             format!("table {}: error {:.2e} where the file states {:.2e}", check.table, check.measured, check.stored),

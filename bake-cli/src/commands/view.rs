@@ -1,6 +1,7 @@
 //! `bake view`: what was baked, in a window or as a picture.
 
 use crate::cli::Global;
+use crate::console;
 use crate::exit::{Failure, Outcome};
 use crate::stdout;
 use bake_formats::Package;
@@ -80,10 +81,9 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
         difference: args.difference.map(|share| if share > 0.0 { share.min(1e6) } else { 0.1 }),
     };
     if args.list_variants {
-        bake_view::variants(package, &options)
-            .map_err(failure)?
-            .iter()
-            .for_each(|variant| stdout::print(format_args!("{variant}\n")));
+        let variants = bake_view::variants(package, &options).map_err(failure)?;
+        let lines: String = variants.iter().map(|variant| format!("{variant}\n")).collect();
+        console::print(&lines)?;
         return Ok(Outcome::Done);
     }
     let Some(file) = &args.screenshot else {
@@ -92,11 +92,11 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     };
     let picture = bake_view::screenshot(package, &options).map_err(failure)?;
     if !global.quiet {
-        picture.notes.iter().for_each(|note| eprintln!("{note}"));
+        picture.notes.iter().for_each(|note| console::tell(note));
     }
     write_atomic(file, |out| out.write_all(&picture.png))?;
     if global.verbose {
-        eprintln!("drawn by {}", picture.adapter);
+        console::tell(&format!("drawn by {}", picture.adapter));
     }
     Ok(Outcome::Done)
 }

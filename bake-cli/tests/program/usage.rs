@@ -88,3 +88,30 @@ fn scenes_that_are_none_are_refused_with_the_next_step() {
         desk.bake(arguments).expect(2, &words);
     }
 }
+
+/// The reader is gone before the first word, on both outputs: exit codes and files stay what they are.
+#[test]
+#[cfg(unix)]
+fn a_closed_pipe_is_no_failure() {
+    let desk = Desk::with_room();
+    for (arguments, code) in [
+        ("tables inspect", 0),
+        ("init room.glb", 0),
+        ("init room.glb", 2),
+        ("plan room.glb", 0),
+        ("--json --verbose plan room.glb --progress json", 0),
+        ("run room.glb --page-size 16 --samples 8 --texels-per-m 4 -o out", 0),
+        ("diff out out", 0),
+        ("--help", 0),
+        ("plna", 2),
+    ] {
+        let closed = || {
+            let (reader, writer) = std::io::pipe().expect("a pipe");
+            drop(reader);
+            writer
+        };
+        let status = desk.command(arguments).stdout(closed()).stderr(closed()).status().expect("the program starts");
+        assert_eq!(status.code(), Some(code), "{arguments}");
+    }
+    assert!(desk.path("out/room.bake.json").exists(), "{:?}", desk.list());
+}
