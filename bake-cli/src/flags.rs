@@ -130,6 +130,11 @@ impl SettingsFlags {
     /// Lays the flags over what a file states.
     pub fn apply(&self, settings: &mut Settings) {
         let flags = self.clone();
+        // Three ways to say how accurate: one of them as a flag takes back what the file says in another way.
+        let is_error_set = matches!(flags.target_error, Some(Given(Some(_))));
+        if flags.quality.is_some() || is_error_set || matches!(flags.samples, Some(Given(Some(_)))) {
+            (settings.target_error, settings.samples) = (None, None);
+        }
         set(&mut settings.quality, flags.quality);
         set(&mut settings.target_error, flags.target_error);
         set(&mut settings.samples, flags.samples);
@@ -191,12 +196,16 @@ mod tests {
     use clap::{Args, Command, FromArgMatches};
 
     fn parse(arguments: &str) -> Settings {
+        let mut settings = Settings::default();
+        parse_into(arguments, &mut settings);
+        settings
+    }
+
+    fn parse_into(arguments: &str, settings: &mut Settings) {
         let command = SettingsFlags::augment_args(Command::new("test").no_binary_name(true));
         let matches =
             command.try_get_matches_from(arguments.split_whitespace()).unwrap_or_else(|error| panic!("{error}"));
-        let mut settings = Settings::default();
-        SettingsFlags::from_arg_matches(&matches).expect("parsed").apply(&mut settings);
-        settings
+        SettingsFlags::from_arg_matches(&matches).expect("parsed").apply(settings);
     }
 
     /// Every key with a flag value that is not its default.
@@ -250,6 +259,20 @@ mod tests {
                 assert!(flag.starts_with(&format!("--{}", key.replace('_', "-"))), "{flag} is not called after {key}");
             }
         }
+    }
+
+    #[test]
+    fn a_flag_of_accuracy_takes_back_what_the_file_says_in_another_way() {
+        let of = |arguments: &str| {
+            let mut settings = Settings { target_error: Some(0.3), samples: Some(512), ..Settings::default() };
+            parse_into(arguments, &mut settings);
+            (settings.quality, settings.target_error, settings.samples)
+        };
+        assert_eq!(of("--quality final"), (Quality::Final, None, None));
+        assert_eq!(of("--target-error 1%"), (Quality::Medium, Some(0.01), None));
+        assert_eq!(of("--samples 8 --quality final"), (Quality::Final, None, Some(8)));
+        assert_eq!(of("--samples none"), (Quality::Medium, Some(0.3), None));
+        assert_eq!(of("--seed 1"), (Quality::Medium, Some(0.3), Some(512)));
     }
 
     #[test]
