@@ -93,11 +93,12 @@ fn thumbnails(measured: &Measured, pages: &[PageBuffers]) -> String {
         write!(
             html,
             "<figure><img alt=\"page {index}\" src=\"data:image/png;base64,{png}\"><figcaption>page {index}: {} × {}, \
-             {} samples per texel, error {:.2} %, median {:.4} lux, {} texels, {} buried</figcaption></figure>",
+             {} samples per texel, error {:.2} % ({:.1} % in the noisiest hundredth), median {:.4} lux, {} texels, {} buried</figcaption></figure>",
             page.width,
             page.height,
             told.samples_per_texel,
             100.0 * told.error,
+            100.0 * told.noisiest,
             told.median_lux,
             told.good_texels,
             told.buried_texels

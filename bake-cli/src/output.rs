@@ -93,7 +93,7 @@ impl Output {
 /// What the manifest says about how it was baked.
 fn record(scene_file: &Path, job: &Job, plan: &Plan) -> Result<Record, Failure> {
     let file = scene_file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let blake3 = fingerprint::scene(scene_file).map_err(|error| Failure::unreadable(scene_file, &error))?;
+    let blake3 = job.scene.blake3.clone();
     Ok(Record {
         source: Source { file, blake3 },
         settings: fingerprint::settings(&job.settings).map_err(Failure::failed)?,

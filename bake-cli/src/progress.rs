@@ -1,6 +1,7 @@
 //! Progress on standard error: a bar with the time left for people, one JSON object a line for machines.
 
 use crate::cli::Global;
+use crate::console;
 use crate::interrupt::Interrupt;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
@@ -59,8 +60,8 @@ impl Progress {
     /// Writes a line on standard error, beside the bar.
     pub fn line(&self, text: &str) {
         match &self.show {
-            Show::Bar(bar) => bar.suspend(|| eprintln!("{text}")),
-            _ => eprintln!("{text}"),
+            Show::Bar(bar) => bar.suspend(|| console::tell(text)),
+            _ => console::tell(text),
         }
     }
 
@@ -93,6 +94,17 @@ impl bake_core::progress::Progress for Progress {
         }
     }
 
+    fn expect(&self, units: u64) {
+        let mut stage = self.lock();
+        stage.total = units;
+        let done = self.done.load(Ordering::Relaxed);
+        match &self.show {
+            Show::Bar(bar) => bar.set_length(units),
+            Show::Json if done >= units => stage.write_line(done),
+            Show::Json | Show::Nothing => {}
+        }
+    }
+
     fn advance(&self, units: u64) {
         let done = self.done.fetch_add(units, Ordering::Relaxed) + units;
         match &self.show {
@@ -117,7 +129,8 @@ impl Stage {
     fn write_line(&mut self, done: u64) {
         self.last_line = Some(Instant::now());
         let seconds = self.started.elapsed().as_secs_f64();
-        eprintln!("{}", json!({ "stage": self.name, "done": done, "total": self.total, "seconds": seconds }));
+        let line = json!({ "stage": self.name, "done": done, "total": self.total, "seconds": seconds });
+        console::tell(&line.to_string());
     }
 }
 

@@ -71,7 +71,7 @@ pub struct Measured {
     pub reached_error: f32,
     /// Texels with a surface behind them.
     pub texels: u64,
-    /// Of those, buried in other geometry and filled from their neighbours.
+    /// Of those, buried in other geometry and filled from their neighbours, or from the nearest of their object.
     pub filled_texels: u64,
     /// Of those, without any value.
     pub unbaked_texels: u64,
@@ -120,8 +120,10 @@ pub struct TermShare {
 pub struct PageMeasured {
     /// Samples per texel.
     pub samples_per_texel: u32,
-    /// Standard error, as a share of the median.
+    /// Standard error, as a share of the median, without the noisiest hundredth of the texels.
     pub error: f32,
+    /// Standard error of that hundredth.
+    pub noisiest: f32,
     /// Median luminance of the irradiance.
     pub median_lux: f32,
     /// Texels that were baked.
@@ -151,6 +153,7 @@ impl From<&PageReport> for PageMeasured {
         Self {
             samples_per_texel: report.samples,
             error: report.error,
+            noisiest: report.noisiest,
             median_lux: report.median,
             good_texels: report.good_texels,
             buried_texels: report.buried_texels,
@@ -232,7 +235,7 @@ impl Measured {
             line("", format!("{} buried in other geometry, filled from their neighbours", self.filled_texels));
         }
         if self.unbaked_texels > 0 {
-            line("", format!("{} hidden: their charts lie wholly inside other geometry", self.unbaked_texels));
+            line("", format!("{} inside other geometry, with nothing to be filled from", self.unbaked_texels));
         }
         for (name, report) in [("probes", &self.probes), ("cells", &self.fog_volume)] {
             if let Some(LatticeReport { points, invalid_points, moved_points, samples, error, .. }) = report {

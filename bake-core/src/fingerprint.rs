@@ -1,19 +1,9 @@
-//! What a package remembers of its sources: hashes that tell whether scene or settings have changed since.
+//! What a package remembers of its settings: the same wherever the bake ran. The scene's hash is [`crate::scene::Scene::blake3`].
 
 use crate::settings::Settings;
 use serde_json::Value;
 use std::io;
 use std::path::Path;
-
-/// BLAKE3 of the scene file, lower-case hexadecimal.
-///
-/// # Errors
-/// The file cannot be read.
-pub fn scene(file: &Path) -> io::Result<String> {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update_reader(std::fs::File::open(file)?)?;
-    Ok(hasher.finalize().to_hex().to_string())
-}
 
 /// The settings as they stand in a package: the same wherever the bake ran. A file is told by its name and the BLAKE3
 /// of its bytes.
@@ -73,17 +63,5 @@ mod tests {
         assert_eq!(find(a.path()), Ok(()));
         assert_eq!(find(b.path()), Err("sky.hdr".to_owned()), "another content");
         assert_eq!(find(&a.path().join("none")), Err("sky.hdr".to_owned()));
-    }
-
-    #[test]
-    fn one_byte_changes_the_scenes_hash() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let file = folder.path().join("a.glb");
-        let hash = |bytes: &[u8]| {
-            std::fs::write(&file, bytes).expect("written");
-            scene(&file).expect("readable")
-        };
-        assert_ne!(hash(b"glTF1"), hash(b"glTF2"));
-        assert!(scene(&folder.path().join("none.glb")).is_err());
     }
 }

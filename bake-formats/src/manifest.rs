@@ -64,7 +64,8 @@ pub struct Manifest {
 pub struct Source {
     /// File name without folder.
     pub file: String,
-    /// BLAKE3 of everything that the scene was read from, lower-case hexadecimal.
+    /// BLAKE3 of everything that the scene was read from: the file, followed by the BLAKE3 of each file that it names;
+    /// lower-case hexadecimal.
     pub blake3: String,
 }
 

@@ -111,9 +111,14 @@ fn name(reference: &Point) -> String {
 
 /// What all numbers of a study have in common, hashed; `reference` names what they are compared with.
 pub(crate) fn subject(study: &Study, job: &Job, reference: &str) -> Result<String, StudyError> {
-    let scene = fingerprint::scene(&study.file).map_err(StudyError::io(&study.file))?;
     let settings = fingerprint::settings(&job.settings).map_err(StudyError::io(&study.file))?;
-    Ok(hash(&[env!("CARGO_PKG_VERSION"), &scene, &settings.to_string(), reference, study.clock.name()]))
+    Ok(hash(&[
+        env!("CARGO_PKG_VERSION"),
+        &job.scene.blake3,
+        &settings.to_string(),
+        reference,
+        study.clock.name(),
+    ]))
 }
 
 /// The points that are not measured yet, each once.
@@ -149,7 +154,6 @@ impl Runner<'_> {
         Portion {
             outer: self.progress,
             units: self.units(point),
-            stages: self.job.atlas.pages.len().max(1) as u64,
             of_stage: AtomicU64::new(0),
             given: AtomicU64::new(0),
         }
@@ -188,8 +192,6 @@ impl Runner<'_> {
 struct Portion<'a> {
     outer: &'a dyn Progress,
     units: u64,
-    /// Stages of tracing expected.
-    stages: u64,
     /// Units of the stage at hand.
     of_stage: AtomicU64,
     /// Of `units`, those that were told.
@@ -209,11 +211,17 @@ impl Progress for Portion<'_> {
         self.of_stage.store(if name == "trace" { units } else { 0 }, Ordering::Relaxed);
     }
 
+    fn expect(&self, units: u64) {
+        if self.of_stage.load(Ordering::Relaxed) > 0 {
+            self.of_stage.store(units, Ordering::Relaxed);
+        }
+    }
+
     fn advance(&self, units: u64) {
         let of_stage = self.of_stage.load(Ordering::Relaxed);
         if of_stage > 0 {
-            let part = (u128::from(self.units) * u128::from(units) / u128::from(of_stage * self.stages)) as u64;
-            // Later rounds and repeats are not counted again.
+            let part = (u128::from(self.units) * u128::from(units) / u128::from(of_stage)) as u64;
+            // Repeats are not counted again.
             let before = self.given.fetch_add(part, Ordering::Relaxed);
             let room = self.units.saturating_sub(before);
             self.outer.advance(part.min(room));

@@ -58,6 +58,7 @@ struct Impatient(AtomicU32);
 
 impl Progress for Impatient {
     fn stage(&self, _: &str, _: u64) {}
+    fn expect(&self, _: u64) {}
     fn advance(&self, _: u64) {}
     fn is_cancelled(&self) -> bool {
         self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| Some(left.saturating_sub(1))) == Ok(0)

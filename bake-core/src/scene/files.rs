@@ -1,8 +1,9 @@
-//! Reading the files that a scene names: URIs, and an allowance that keeps memory in proportion to the input.
+//! Reading the files that a scene names: URIs, a hash of all that was read, and an allowance that keeps memory in
+//! proportion to the input.
 
 use super::error::{Fault, Place, Refusal};
 use std::borrow::Cow;
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::path::{Path, PathBuf};
 
 /// Reads a regular file; pipes and devices, which may never end, are refused.
@@ -17,6 +18,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<u8>, Fault> {
 /// Resolves the URIs of one scene file and counts what was read.
 pub(super) struct Files {
     folder: PathBuf,
+    hasher: RefCell<blake3::Hasher>,
     /// Allowance for geometry.
     pub geometry: Allowance,
     /// Allowance for decoded images.
@@ -24,17 +26,25 @@ pub(super) struct Files {
 }
 
 impl Files {
-    /// For the scene file at `path` of `size` bytes.
-    pub fn new(path: &Path, size: usize) -> Self {
+    /// For the scene file at `path` that holds `bytes`.
+    pub fn new(path: &Path, bytes: &[u8]) -> Self {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(bytes);
         let files = Self {
+            hasher: hasher.into(),
             folder: path.parent().map(Path::to_owned).unwrap_or_default(),
             // Draco and meshopt pack a triangle, which takes 180 bytes here, into about one byte.
             geometry: Allowance::new(16 << 20, 256),
             // Deflate packs at most 1032 bytes into one.
             pixels: Allowance::new(64 << 20, 1100),
         };
-        files.count(size);
+        files.count(bytes.len());
         files
+    }
+
+    /// BLAKE3 of the scene file's bytes, followed by the BLAKE3 of each file read since, in that order; hexadecimal.
+    pub fn hash(&self) -> String {
+        self.hasher.borrow().finalize().to_hex().to_string()
     }
 
     fn count(&self, bytes: usize) {
@@ -52,6 +62,7 @@ impl Files {
         let path = self.path_of(uri).map_err(|fault| fault.at(place))?;
         let bytes = read(&path).map_err(|fault| fault.in_file(&path).object(format!("(named by {place})")))?;
         self.count(bytes.len());
+        self.hasher.borrow_mut().update(blake3::hash(&bytes).as_bytes());
         Ok(bytes)
     }
 
@@ -137,12 +148,33 @@ mod tests {
 
     #[test]
     fn data_uris() {
-        let files = Files::new(Path::new("a.gltf"), 0);
+        let files = Files::new(Path::new("a.gltf"), &[]);
         let fetch = |uri: &str| files.fetch(uri, &Place::root("buffers[0].uri"));
         assert_eq!(fetch("data:application/octet-stream;base64,Zm9vYg==").expect("RFC 4648, section 10"), b"foob");
         for bad in ["data:", "data:;base64", "data:;base64,Z", "data:;base64,Zm9!"] {
             assert!(fetch(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn the_hash_covers_the_files_that_are_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let hash = |scene: &[u8], buffer: Option<&[u8]>| {
+            let files = Files::new(&folder.path().join("a.gltf"), scene);
+            if let Some(bytes) = buffer {
+                std::fs::write(folder.path().join("a.bin"), bytes).expect("written");
+                files.fetch("a.bin", &Place::root("buffers[0].uri")).expect("there");
+            }
+            files.hash()
+        };
+        assert_eq!(
+            hash(b"one", None),
+            blake3::hash(b"one").to_hex().to_string(),
+            "the plain hash of a file that stands alone"
+        );
+        let different = [hash(b"one", None), hash(b"two", None), hash(b"one", Some(b"a")), hash(b"one", Some(b"b"))];
+        assert!((1..4).all(|i| !different[..i].contains(&different[i])), "{different:?}");
+        assert_eq!(hash(b"one", Some(b"a")), different[2]);
     }
 
     #[test]
@@ -156,7 +188,7 @@ mod tests {
 
     #[test]
     fn absolute_and_remote_uris_are_refused() {
-        let files = Files::new(Path::new("scenes/a.gltf"), 0);
+        let files = Files::new(Path::new("scenes/a.gltf"), &[]);
         for uri in ["/etc/passwd", "https://example.org/a.bin", "", "a%00b"] {
             assert!(files.path_of(uri).is_err(), "{uri}");
         }

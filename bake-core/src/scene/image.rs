@@ -112,14 +112,14 @@ mod tests {
     #[test]
     fn decodes_to_eight_bits_with_alpha() {
         let wide = image::DynamicImage::ImageRgb16(image::ImageBuffer::from_pixel(2, 1, image::Rgb([65535, 257, 0])));
-        let got = decode(&png(&wide), &Files::new(Path::new("a"), 0)).expect("a PNG");
+        let got = decode(&png(&wide), &Files::new(Path::new("a"), &[])).expect("a PNG");
         assert_eq!((got.width, got.height, got.rgba), (2, 1, vec![[255, 1, 0, 255]; 2]));
     }
 
     #[test]
     fn a_header_that_promises_too_much_is_refused_before_decoding() {
         let mut bytes = png(&image::DynamicImage::new_rgba8(1, 1));
-        let files = Files::new(Path::new("a"), bytes.len());
+        let files = Files::new(Path::new("a"), &bytes);
         bytes[16..20].copy_from_slice(&16384u32.to_be_bytes());
         bytes[20..24].copy_from_slice(&16384u32.to_be_bytes());
         // The checksum of the header chunk covers its type and content.

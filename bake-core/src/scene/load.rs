@@ -49,7 +49,7 @@ fn build(bytes: &[u8], path: &Path, options: &LoadOptions, warnings: &mut Warnin
     let parts = container::split(bytes).map_err(whole)?;
     let document = parse(&bytes[parts.json]).map_err(|(object, fault)| whole(fault).object(object))?;
     extensions::check(&document, warnings)?;
-    let files = Files::new(path, bytes.len());
+    let files = Files::new(path, bytes);
     let buffers = Buffers::new(&document, parts.bin.map(|range| &bytes[range]), &files)?;
     let accessors = Accessors::new(&document, &buffers)?;
     references::check(&document)?;
@@ -68,6 +68,7 @@ fn build(bytes: &[u8], path: &Path, options: &LoadOptions, warnings: &mut Warnin
     load_materials(&source, options, &mut scene, warnings)?;
     scene.lights = light::load(&document, &placed, options, warnings)?;
     scene.environment = environment::load(options, warnings)?;
+    scene.blake3 = files.hash();
     if options.require_light && !shines(&scene) {
         return Err(whole(Fault::NoLight));
     }

@@ -42,6 +42,9 @@ use std::sync::Arc;
 pub struct Scene {
     /// Stem of the scene file.
     pub name: String,
+    /// BLAKE3 of all that was read: of the file alone where it names no others, else of its bytes followed by the hash of each
+    /// file that it names, in the order of reading. Lower-case hexadecimal.
+    pub blake3: String,
     /// Geometry in object space, each mesh once however often it is placed.
     pub meshes: Vec<Mesh>,
     /// Placements of meshes.

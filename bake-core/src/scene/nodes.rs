@@ -201,7 +201,7 @@ mod tests {
 
     fn paths(json: &str) -> Result<Vec<String>, String> {
         let document = document(json);
-        let files = Files::new(std::path::Path::new("a.gltf"), json.len());
+        let files = Files::new(std::path::Path::new("a.gltf"), json.as_bytes());
         check_tree(&document)
             .and_then(|()| flatten(&document, 0, &files.geometry))
             .map(|nodes| nodes.into_iter().map(|n| n.path).collect())
@@ -219,7 +219,7 @@ mod tests {
     fn transforms_multiply_from_the_root() {
         let json = r#"{"scenes":[{"nodes":[0]}],"nodes":[{"scale":[2,2,2],"children":[1]},{"translation":[1,0,0]}]}"#;
         let document = document(json);
-        let files = Files::new(std::path::Path::new("a.gltf"), 0);
+        let files = Files::new(std::path::Path::new("a.gltf"), &[]);
         let nodes = flatten(&document, 0, &files.geometry).expect("a tree");
         assert_eq!(nodes[1].world.transform_point3(DVec3::X), DVec3::new(4.0, 0.0, 0.0));
     }

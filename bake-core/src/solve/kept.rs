@@ -11,6 +11,7 @@ use super::tables::TablePaths;
 use super::tables::codec::{Damage, Decoder, Encoder, Limits};
 use super::tables::factors::Local;
 use super::tables::record::Path;
+use super::work::{self, Work};
 use super::{
     Counters, Estimate, Lightmap, LightmapSettings, PageSolver, REPLICATES, Rounds, Sampler, TEXELS_PER_TASK, hash,
     texels,
@@ -56,16 +57,12 @@ pub fn keep<W: Write>(
     with_tables(tracer, media, settings, progress, |paths| {
         let mut file = begin(&header(paths, atlas))?;
         let mut lightmap = Lightmap::default();
+        let texels = atlas.pages.iter().map(|page| page.texels.len()).sum();
+        let mut work = Work::begin(progress, "trace", texels, &Rounds::new(settings, settings.deadline));
         for (index, page) in atlas.pages.iter().enumerate() {
-            let solver = PageSolver {
-                paths,
-                page,
-                settings,
-                progress,
-                deadline: settings.deadline,
-                seed: hash(settings.seed, index as u32),
-            };
-            solver.keep(index as u32, &mut file, &mut lightmap)?;
+            let (deadline, seed) = (settings.deadline, hash(settings.seed, index as u32));
+            let solver = PageSolver { paths, page, settings, deadline, seed };
+            solver.keep(index as u32, &mut file, &mut lightmap, &mut work)?;
         }
         Ok((lightmap, file.finish()?))
     })
@@ -87,8 +84,8 @@ pub fn fold<R: Read>(
         let mut file = open(&header(paths, atlas))?;
         let mut lightmap = Lightmap::default();
         for (index, page) in atlas.pages.iter().enumerate() {
-            let solver = PageSolver { paths, page, settings, progress, deadline: None, seed: 0 };
-            solver.fold(index as u32, &mut file, &mut lightmap)?;
+            let solver = PageSolver { paths, page, settings, deadline: None, seed: 0 };
+            solver.fold(index as u32, &mut file, &mut lightmap, progress)?;
         }
         match file.peek() {
             None => Ok(lightmap),
@@ -112,20 +109,26 @@ fn portions(samples: std::ops::Range<u32>) -> impl Iterator<Item = std::ops::Ran
 }
 
 impl PageSolver<'_, TablePaths<'_, '_>> {
-    fn keep<W: Write>(&self, page: u32, file: &mut PathWriter<W>, lightmap: &mut Lightmap) -> Result<(), KeptError> {
-        let starts = self.starts()?;
+    fn keep<W: Write>(
+        &self,
+        page: u32,
+        file: &mut PathWriter<W>,
+        lightmap: &mut Lightmap,
+        work: &mut Work,
+    ) -> Result<(), KeptError> {
+        let starts = self.starts(work)?;
+        work.found(starts.len());
         let good: Vec<bool> = starts.iter().map(|starts| !starts.is_empty()).collect();
         let mut estimates = vec![Estimate::default(); starts.len()];
         let mut rounds = Rounds::new(self.settings, self.deadline);
         loop {
             for samples in portions(rounds.samples()) {
-                self.progress.stage("trace", starts.len() as u64);
                 for (batch, estimates) in estimates.chunks_mut(CHUNKS * TEXELS_PER_TASK).enumerate() {
                     let tasks = estimates.par_chunks_mut(TEXELS_PER_TASK).enumerate().map(|(task, estimates)| {
                         let first = (batch * CHUNKS + task) * TEXELS_PER_TASK;
                         let texels = [first as u32, estimates.len() as u32];
                         let tag = ChunkTag { page, texels, samples: [samples.start, samples.end] };
-                        self.trace_chunk(&starts[first..first + estimates.len()], estimates, tag)
+                        self.trace_chunk(&starts[first..first + estimates.len()], estimates, tag, work)
                     });
                     for (chunk, counters) in tasks.collect::<Result<Vec<_>, Interrupted>>()? {
                         file.add(&chunk)?;
@@ -133,8 +136,11 @@ impl PageSolver<'_, TablePaths<'_, '_>> {
                     }
                 }
             }
+            work.finish_round(starts.len(), &rounds.samples());
             let report = self.report(&good, &estimates, rounds.samples().end * REPLICATES as u32);
-            if !rounds.go_on(report.error) {
+            let goes_on = rounds.go_on(report.error);
+            work.expect(starts.len(), &rounds);
+            if !goes_on {
                 lightmap.reports.push(report);
                 lightmap.pages.push(self.buffers(&good, &estimates, report.samples));
                 return Ok(());
@@ -147,13 +153,12 @@ impl PageSolver<'_, TablePaths<'_, '_>> {
         starts: &[Vec<texels::Start>],
         estimates: &mut [Estimate],
         tag: ChunkTag,
+        work: &Work,
     ) -> Result<(Chunk, Counters), Interrupted> {
         let counters = Counters::default();
         let mut encoder = Encoder::new(hash(tag.texels[0], tag.samples[0]));
         for (offset, (starts, estimate)) in starts.iter().zip(estimates.iter_mut()).enumerate() {
-            if self.progress.is_cancelled() {
-                return Err(Interrupted);
-            }
+            work.check()?;
             encoder.starts(starts.iter().map(|start| &start.vertex));
             if starts.is_empty() {
                 continue;
@@ -169,17 +174,23 @@ impl PageSolver<'_, TablePaths<'_, '_>> {
                 self.paths.fold(&path, &known[start])
             });
         }
-        self.finish_task(estimates.len() as u64)?;
+        work.advance(estimates.len(), work::units(&(tag.samples[0]..tag.samples[1])))?;
         Ok((Chunk::pack(tag, encoder.bytes()), counters))
     }
 
-    fn fold<R: Read>(&self, page: u32, file: &mut PathReader<R>, lightmap: &mut Lightmap) -> Result<(), KeptError> {
+    fn fold<R: Read>(
+        &self,
+        page: u32,
+        file: &mut PathReader<R>,
+        lightmap: &mut Lightmap,
+        progress: &dyn Progress,
+    ) -> Result<(), KeptError> {
         let texels = self.page.texels.len();
         let (mut estimates, mut good) = (vec![Estimate::default(); texels], vec![false; texels]);
         let mut done = 0;
         while let Some(tag) = file.peek().filter(|tag| tag.page == page) {
             let samples = tag.samples;
-            self.progress.stage("fold", texels as u64);
+            progress.stage("fold", texels as u64);
             for batch in 0..texels.div_ceil(CHUNKS * TEXELS_PER_TASK) {
                 let first = batch * CHUNKS * TEXELS_PER_TASK;
                 let end = texels.min(first + CHUNKS * TEXELS_PER_TASK);
@@ -202,7 +213,8 @@ impl PageSolver<'_, TablePaths<'_, '_>> {
                     let mut decoder = Decoder::new(&records, limits);
                     let folded = self.fold_chunk(&mut decoder, estimates, good, samples);
                     folded.map_err(|damage| FormatError::damaged("paths", name, damage))?;
-                    Ok(self.finish_task(estimates.len() as u64)?)
+                    progress.advance(estimates.len() as u64);
+                    if progress.is_cancelled() { Err(KeptError::Interrupted) } else { Ok(()) }
                 })?;
             }
             done = samples[1];

@@ -19,6 +19,7 @@ pub mod kept;
 pub mod kept_size;
 pub mod lattice;
 pub mod media;
+mod noise;
 pub mod path;
 pub mod pilot;
 pub mod points;
@@ -29,6 +30,7 @@ pub mod sphere;
 pub mod tables;
 pub mod texels;
 pub mod warp;
+mod work;
 
 use crate::atlas::{Atlas, Page};
 use crate::progress::{Interrupted, Progress};
@@ -42,6 +44,7 @@ use grid::GridSettings;
 use in_air::InAir;
 use lattice::Lattice;
 use media::{Media, Vacuum};
+use noise::Noise;
 use path::{Counters, Gather, Gathered, Paths};
 use points::LatticeLight;
 use rayon::prelude::*;
@@ -49,6 +52,7 @@ use rounds::Rounds;
 use sampler::{Sampler, hash};
 use std::time::Instant;
 use texels::Start;
+use work::Work;
 
 /// Luminance of linear Rec.709.
 pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
@@ -158,8 +162,11 @@ impl Mode {
 pub struct PageReport {
     /// Samples per texel.
     pub samples: u32,
-    /// Root mean square over texels of standard error / max(texel, page's median), in luminance.
+    /// Root mean square, over all texels but the noisiest hundredth, of standard error / max(texel, page's median), in
+    /// luminance. Texels that are all equally noisy read 1.0 % too low.
     pub error: f32,
+    /// The same over the noisiest hundredth; 0 among fewer than a hundred texels, of which none is left out of `error`.
+    pub noisiest: f32,
     /// Median luminance of the page's texels, lux.
     pub median: f32,
     /// Texels of each kind.
@@ -319,13 +326,14 @@ fn solve_pages<G: Gather>(
 ) -> Result<Lightmap, Interrupted> {
     let mut lightmap = Lightmap::default();
     let mut texels_left: usize = atlas.pages.iter().map(|page| page.texels.len()).sum();
+    let mut work = Work::begin(progress, "trace", texels_left, &Rounds::new(settings, settings.deadline));
     for (index, page) in atlas.pages.iter().enumerate() {
         let share = page.texels.len() as f64 / texels_left.max(1) as f64;
         texels_left -= page.texels.len();
         let now = Instant::now();
         let deadline = settings.deadline.map(|end| now + end.saturating_duration_since(now).mul_f64(share));
-        let solver = PageSolver { paths, page, settings, progress, deadline, seed: hash(settings.seed, index as u32) };
-        solver.solve(&mut lightmap)?;
+        let solver = PageSolver { paths, page, settings, deadline, seed: hash(settings.seed, index as u32) };
+        solver.solve(&mut lightmap, &mut work)?;
     }
     Ok(lightmap)
 }
@@ -334,21 +342,25 @@ struct PageSolver<'a, G> {
     paths: &'a G,
     page: &'a Page,
     settings: &'a LightmapSettings,
-    progress: &'a dyn Progress,
     deadline: Option<Instant>,
     seed: u32,
 }
 
 impl<G: Gather> PageSolver<'_, G> {
-    fn solve(&self, lightmap: &mut Lightmap) -> Result<(), Interrupted> {
-        let starts = self.starts()?;
+    fn solve(&self, lightmap: &mut Lightmap, work: &mut Work) -> Result<(), Interrupted> {
+        let starts = self.starts(work)?;
+        work.found(starts.len());
         let good: Vec<bool> = starts.iter().map(|starts| !starts.is_empty()).collect();
         let mut estimates = vec![Estimate::default(); starts.len()];
         let mut rounds = Rounds::new(self.settings, self.deadline);
         loop {
-            self.round(&starts, &mut estimates, rounds.samples(), lightmap)?;
-            let report = self.report(&good, &estimates, rounds.samples().end * REPLICATES as u32);
-            if !rounds.go_on(report.error) {
+            let samples = rounds.samples();
+            self.round(&starts, &mut estimates, samples.clone(), lightmap, work)?;
+            work.finish_round(starts.len(), &samples);
+            let report = self.report(&good, &estimates, samples.end * REPLICATES as u32);
+            let goes_on = rounds.go_on(report.error);
+            work.expect(starts.len(), &rounds);
+            if !goes_on {
                 lightmap.reports.push(report);
                 lightmap.pages.push(self.buffers(&good, &estimates, report.samples));
                 return Ok(());
@@ -356,8 +368,7 @@ impl<G: Gather> PageSolver<'_, G> {
         }
     }
 
-    fn starts(&self) -> Result<Vec<Vec<Start>>, Interrupted> {
-        self.progress.stage("find surfaces", self.page.texels.len() as u64);
+    fn starts(&self, work: &Work) -> Result<Vec<Vec<Start>>, Interrupted> {
         let tasks: Vec<_> = self
             .page
             .texels
@@ -365,7 +376,7 @@ impl<G: Gather> PageSolver<'_, G> {
             .map(|texels| {
                 let found: Vec<_> =
                     texels.iter().map(|texel| texels::starts(self.paths.tracer(), self.page, texel)).collect();
-                self.finish_task(texels.len() as u64)?;
+                work.advance(texels.len(), work::FINDING)?;
                 Ok(found)
             })
             .collect::<Result<_, Interrupted>>()?;
@@ -379,16 +390,14 @@ impl<G: Gather> PageSolver<'_, G> {
         estimates: &mut [Estimate],
         samples: std::ops::Range<u32>,
         lightmap: &mut Lightmap,
+        work: &Work,
     ) -> Result<(), Interrupted> {
-        self.progress.stage("trace", starts.len() as u64);
         let tasks = estimates.par_chunks_mut(TEXELS_PER_TASK).enumerate().map(|(task, estimates)| {
             let counters = Counters::default();
             for (offset, estimate) in estimates.iter_mut().enumerate() {
                 let texel = task * TEXELS_PER_TASK + offset;
                 // A texel may take seconds in late rounds: too long to wait for its whole task.
-                if self.progress.is_cancelled() {
-                    return Err(Interrupted);
-                }
+                work.check()?;
                 let (starts, seed) = (&starts[texel], self.texel_seed(texel));
                 if starts.is_empty() {
                     continue;
@@ -399,7 +408,7 @@ impl<G: Gather> PageSolver<'_, G> {
                     self.paths.gather(&starts[texels::pick(starts, u)].vertex, &mut sampler, &counters)
                 });
             }
-            self.finish_task(estimates.len() as u64)?;
+            work.advance(estimates.len(), work::units(&samples))?;
             Ok(counters)
         });
         for counters in tasks.collect::<Result<Vec<_>, Interrupted>>()? {
@@ -408,29 +417,18 @@ impl<G: Gather> PageSolver<'_, G> {
         Ok(())
     }
 
-    fn finish_task(&self, units: u64) -> Result<(), Interrupted> {
-        self.progress.advance(units);
-        if self.progress.is_cancelled() { Err(Interrupted) } else { Ok(()) }
-    }
-
     fn texel_seed(&self, texel: usize) -> u32 {
         let texel = &self.page.texels[texel];
         hash(self.seed, u32::from(texel.x) | u32::from(texel.y) << 16)
     }
 
     fn report(&self, good: &[bool], estimates: &[Estimate], samples: u32) -> PageReport {
-        let texels = good.len();
-        let good: Vec<&Estimate> = good.iter().zip(estimates).filter(|(good, _)| **good).map(|(_, e)| e).collect();
-        let mut levels: Vec<f32> = good.iter().map(|e| e.total().dot(LUMINANCE)).collect();
-        levels.sort_by(f32::total_cmp);
-        let median = levels.get(levels.len() / 2).copied().unwrap_or(0.0);
-        let squares = good.iter().map(|e| {
-            let level = e.total().dot(LUMINANCE).max(median);
-            if level > 0.0 { f64::from(e.luminance_variance() / (level * level)) } else { 0.0 }
-        });
-        let error = (squares.sum::<f64>() / good.len().max(1) as f64).sqrt() as f32;
-        let buried_texels = (texels - good.len()) as u32;
-        PageReport { samples, error, median, good_texels: good.len() as u32, buried_texels }
+        let texels = good.len() as u32;
+        let good = || good.iter().zip(estimates).filter(|(good, _)| **good).map(|(_, estimate)| estimate);
+        let level = |estimate: &Estimate| (estimate.total().dot(LUMINANCE), estimate.luminance_variance());
+        let Noise { median, error, noisiest } = Noise::of(good().map(level));
+        let good_texels = good().count() as u32;
+        PageReport { samples, error, noisiest, median, good_texels, buried_texels: texels - good_texels }
     }
 
     fn buffers(&self, good: &[bool], estimates: &[Estimate], samples: u32) -> PageBuffers {

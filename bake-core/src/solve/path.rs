@@ -262,16 +262,9 @@ impl<M: Media> Paths<'_, '_, M> {
             collisions = 0;
 
             let [pick, u, v, survive] = sampler.next4();
-            let strategies = self.emitters.strategies();
-            if !strategies.is_empty() {
-                draws = 1.0 / strategies.len() as f32;
-                let place = pick * strategies.len() as f32;
-                let strategy = strategies[(place as usize).min(strategies.len() - 1)];
-                let draw = Draw { strategy, share: draws, is_first: false };
-                if let Some((irradiance, _, cos)) = self.draw(draw, &vertex, [place.fract(), u, v], counters) {
-                    radiance[last_leg.of_emitter()] += throughput * irradiance * (cos / PI);
-                }
-            }
+            let (light, share) = self.reflect_emitters(&vertex, bounce, [pick, u, v], sampler, counters);
+            radiance[last_leg.of_emitter()] += throughput * light;
+            draws = share;
             if bounce + 1 >= ROULETTE_FROM {
                 let survival = throughput.max_element().min(1.0);
                 if survive >= survival {
@@ -289,6 +282,36 @@ impl<M: Media> Paths<'_, '_, M> {
             }
         }
         radiance
+    }
+
+    /// Radiance that a vertex of albedo 1 reflects straight from emitters, and the share of the strategies that were drawn:
+    /// all at the first reflection, which brings most of indirect light and most of its noise, one of them later on.
+    fn reflect_emitters(
+        &self,
+        vertex: &Vertex,
+        bounce: u32,
+        [pick, u, v]: [f32; 3],
+        sampler: &mut Sampler,
+        counters: &Counters,
+    ) -> (Vec3, f32) {
+        let strategies = self.emitters.strategies();
+        let reflect = |strategy, share, u| {
+            let drawn = self.draw(Draw { strategy, share, is_first: false }, vertex, u, counters);
+            drawn.map_or(Vec3::ZERO, |(irradiance, _, cos)| irradiance * (cos / PI))
+        };
+        let Some((&first, others)) = strategies.split_first() else { return (Vec3::ZERO, 1.0) };
+        if bounce > 0 {
+            let share = 1.0 / strategies.len() as f32;
+            let place = pick * strategies.len() as f32;
+            let strategy = strategies[(place as usize).min(others.len())];
+            return (reflect(strategy, share, [place.fract(), u, v]), share);
+        }
+        let mut light = reflect(first, 1.0, [pick, u, v]);
+        for &strategy in others {
+            let [u, v, w, _] = sampler.next4();
+            light += reflect(strategy, 1.0, [u, v, w]);
+        }
+        (light, 1.0)
     }
 
     /// Direction at the first vertex with its density.

@@ -5,10 +5,12 @@
 
 use super::lattice::Lattice;
 use super::media::Media;
+use super::noise::Noise;
 use super::path::{Counters, Paths};
 use super::rounds::Rounds;
 use super::sampler::{Sampler, hash};
 use super::sphere::{Incident, Sh9};
+use super::work::{self, Work};
 use super::{LUMINANCE, LightmapSettings, REPLICATES};
 use crate::progress::{Interrupted, Progress};
 use glam::Vec3;
@@ -48,9 +50,11 @@ pub struct LatticeReport {
     pub moved_points: usize,
     /// Samples a point.
     pub samples: u32,
-    /// Root mean square over points and directions of the standard error of irradiance, over the mean irradiance of the
-    /// point, or of the median point where that is more; in luminance.
+    /// Root mean square over directions, and over all points but the noisiest hundredth, of the standard error of irradiance,
+    /// over the mean irradiance of the point, or of the median point where that is more; in luminance.
     pub error: f32,
+    /// The same over the noisiest hundredth; 0 among fewer than a hundred points, of which none is left out of `error`.
+    pub noisiest: f32,
     /// Closest-hit rays.
     pub rays: u64,
     /// Shadow rays.
@@ -85,20 +89,25 @@ pub(super) fn solve<M: Media>(
     let mut estimates = vec![Estimate { mean: Sh9::default(), replicates: Default::default() }; points];
     let mut sums = [0; 3];
     let mut rounds = Rounds::new(settings, settings.deadline);
-    let error = loop {
-        progress.stage("light at points", points as u64);
+    let mut work = Work::begin(progress, "light at points", 0, &rounds);
+    work.expect(points, &rounds);
+    let noise = loop {
+        let samples = rounds.samples();
         let tasks = estimates.par_iter_mut().zip(&places).enumerate().map(|(index, (estimate, place))| {
             let counters = Counters::default();
             if let Some(place) = place {
                 let seed = hash(hash(settings.seed, SEED), index as u32);
-                estimate.add(paths, *place, seed, rounds.samples(), &counters);
+                estimate.add(paths, *place, seed, samples.clone(), &counters);
             }
-            step().map(|()| counters)
+            work.advance(1, work::units(&samples)).map(|()| counters)
         });
         tasks.collect::<Result<Vec<_>, _>>()?.iter().for_each(|counters| counters.add_to(&mut sums));
-        let error = error(&estimates, &places);
-        if !rounds.go_on(error) {
-            break error;
+        work.finish_round(points, &samples);
+        let noise = noise(&estimates, &places);
+        let goes_on = rounds.go_on(noise.error);
+        work.expect(points, &rounds);
+        if !goes_on {
+            break noise;
         }
     };
     let moved = |(index, place): (usize, &Option<Vec3>)| place.is_some_and(|place| place != lattice.position(index));
@@ -107,7 +116,8 @@ pub(super) fn solve<M: Media>(
         invalid_points: places.iter().filter(|place| place.is_none()).count(),
         moved_points: places.iter().enumerate().filter(|&pair| moved(pair)).count(),
         samples: rounds.samples().end * REPLICATES as u32,
-        error,
+        error: noise.error,
+        noisiest: noise.noisiest,
         rays: sums[0],
         shadow_rays: sums[1],
         cut_paths: sums[2],
@@ -117,18 +127,9 @@ pub(super) fn solve<M: Media>(
 }
 
 /// See [`LatticeReport::error`].
-fn error(estimates: &[Estimate], places: &[Option<Vec3>]) -> f32 {
-    let valid: Vec<&Estimate> =
-        estimates.iter().zip(places).filter(|(_, place)| place.is_some()).map(|p| p.0).collect();
-    let level = |estimate: &Estimate| estimate.mean[0].dot(LUMINANCE);
-    let mut levels: Vec<f32> = valid.iter().map(|estimate| level(estimate)).collect();
-    levels.sort_by(f32::total_cmp);
-    let median = levels.get(levels.len() / 2).copied().unwrap_or(0.0);
-    let square = |estimate: &&Estimate| {
-        let level = level(estimate).max(median);
-        if level > 0.0 { f64::from(estimate.variance() / (level * level)) } else { 0.0 }
-    };
-    (valid.iter().map(square).sum::<f64>() / valid.len().max(1) as f64).sqrt() as f32
+fn noise(estimates: &[Estimate], places: &[Option<Vec3>]) -> Noise {
+    let valid = estimates.iter().zip(places).filter(|(_, place)| place.is_some());
+    Noise::of(valid.map(|(estimate, _)| (estimate.mean[0].dot(LUMINANCE), estimate.variance())))
 }
 
 impl Estimate {

@@ -12,6 +12,8 @@ const FIRST_SAMPLES: u32 = 8;
 pub(super) struct Rounds {
     done: u32,
     next: u32,
+    /// Thought to be taken in all.
+    expected: u32,
     cap: u32,
     target: f32,
     deadline: Option<Instant>,
@@ -25,7 +27,10 @@ impl Rounds {
         let first = if deadline.is_some() { FIRST_SAMPLES } else { settings.min_samples };
         let (floor, cap) = (per_replicate(first.min(settings.min_samples)), per_replicate(settings.max_samples));
         let next = floor.min(cap);
-        Self { done: 0, next, cap, target: settings.target_error, deadline, begin: Instant::now() }
+        // A sample's spread is about the texel's value.
+        let usual = settings.target_error.powi(-2).min(1e9) as u32;
+        let expected = per_replicate(usual).min(cap).max(next);
+        Self { done: 0, next, expected, cap, target: settings.target_error, deadline, begin: Instant::now() }
     }
 
     /// Those of this round.
@@ -33,18 +38,29 @@ impl Rounds {
         self.done..self.next
     }
 
+    /// Samples of a texel that all rounds are thought to take together.
+    pub(super) fn expected(&self) -> u64 {
+        u64::from(self.expected) * REPLICATES as u64
+    }
+
+    /// Those of them that are still to come: the ones of [`Self::samples`] and of rounds after them.
+    pub(super) fn left(&self) -> u64 {
+        u64::from(self.expected - self.done) * REPLICATES as u64
+    }
+
     /// Whether another round is wanted after one that left `error`; [`Self::samples`] are that round's then.
     pub(super) fn go_on(&mut self, error: f32) -> bool {
         if error <= self.target || self.next == self.cap {
+            (self.done, self.expected) = (self.next, self.next);
             return false;
         }
         let pace = self.begin.elapsed() / (self.next - self.done).max(1);
         self.done = self.next;
         let wanted = f64::from(self.done) * f64::from(error / self.target).powi(2) * 1.05;
-        let most = self.done.saturating_mul(4);
-        self.next = (wanted.min(1e9) as u32).clamp(self.done + self.done.div_ceil(4), most).min(self.cap);
         self.begin = Instant::now();
-        self.next = self.next.min(self.done.saturating_add(self.fitting(pace)));
+        let most = self.cap.min(self.done.saturating_add(self.fitting(pace)));
+        self.expected = (wanted.min(1e9) as u32).max(self.done + self.done.div_ceil(4)).min(most);
+        self.next = self.expected.min(self.done.saturating_mul(4));
         self.next > self.done
     }
 
@@ -68,11 +84,14 @@ mod tests {
     fn rounds_grow_as_the_error_asks() {
         let mut rounds = Rounds::new(&settings(), None);
         assert_eq!(rounds.samples(), 0..8);
+        assert_eq!((rounds.expected(), rounds.left()), (10_000, 10_000), "a sample's spread is about the value");
         assert!(rounds.go_on(0.1), "ten times the error");
         assert_eq!(rounds.samples(), 8..32);
+        assert_eq!((rounds.expected(), rounds.left()), (8 * 840, 8 * 832), "a hundred times the samples, and a little");
         assert!(rounds.go_on(0.012));
         assert_eq!(rounds.samples(), 32..48);
         assert!(!rounds.go_on(0.01), "reached");
+        assert_eq!((rounds.expected(), rounds.left()), (384, 0));
     }
 
     #[test]

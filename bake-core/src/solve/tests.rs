@@ -18,6 +18,8 @@ use crate::solve::media::Fog;
 use crate::test_scenes::{closed_box, matte, point_light, quad, quad_atlas, scene};
 use glam::Affine3A;
 use std::f32::consts::PI;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 use testkit::compare::Worst;
 
 const SIZE: u32 = 8;
@@ -311,11 +313,52 @@ fn a_target_error_is_reached() {
     assert!(report.error <= 0.02 && report.samples > 16 && report.samples < 1 << 16);
 }
 
+/// Over rounds and pages there is one stage, whose count never falls behind what is expected and ends where it does.
+#[test]
+fn progress_goes_on_over_rounds_and_pages() {
+    #[derive(Default)]
+    struct Record {
+        stages: Mutex<Vec<String>>,
+        done: AtomicU64,
+        expected: Mutex<Vec<u64>>,
+    }
+    impl Progress for Record {
+        fn stage(&self, name: &str, units: u64) {
+            self.stages.lock().unwrap().push(name.into());
+            self.expect(units);
+        }
+        fn expect(&self, units: u64) {
+            assert!(self.done.load(Ordering::SeqCst) <= units);
+            self.expected.lock().unwrap().push(units);
+        }
+        fn advance(&self, units: u64) {
+            let done = self.done.fetch_add(units, Ordering::SeqCst) + units;
+            let expected = *self.expected.lock().unwrap().last().unwrap();
+            assert!(done <= expected, "{done} of {expected}");
+        }
+        fn is_cancelled(&self) -> bool {
+            false
+        }
+    }
+    let scene = busy_scene();
+    let page = quad_atlas(SIZE).pages.remove(0);
+    let atlas = Atlas { pages: vec![page.clone(), page], ..quad_atlas(SIZE) };
+    let settings = LightmapSettings { target_error: 0.02, min_samples: 16, max_samples: 1 << 16, ..Default::default() };
+    let record = Record::default();
+    lightmap(&Tracer::new(&scene), &MediumSet::default(), &atlas, &settings, &record).unwrap();
+    let (done, expected) = (record.done.into_inner(), record.expected.into_inner().unwrap());
+    println!("{done} units; expected {expected:?}");
+    assert_eq!(record.stages.into_inner().unwrap(), ["trace"]);
+    assert_eq!(expected.last(), Some(&done));
+    assert!(expected.len() > 3, "several rounds on two pages: {expected:?}");
+}
+
 #[test]
 fn interruption_returns_nothing() {
     struct Stop;
     impl Progress for Stop {
         fn stage(&self, _: &str, _: u64) {}
+        fn expect(&self, _: u64) {}
         fn advance(&self, _: u64) {}
         fn is_cancelled(&self) -> bool {
             true
