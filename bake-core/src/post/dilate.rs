@@ -2,7 +2,7 @@
 //!
 //! Ring by ring outwards, each texel takes the mean of its filled neighbours (a diagonal one counts 1/√2) of one
 //! chart: its own where it is buried, else the one with most weight around it. Charts never mix. A chart that is
-//! buried as a whole has no value to take and stays [`Validity::Buried`], at zero.
+//! buried as a whole has no value to take here: see [`super::adopt`].
 
 use crate::atlas::{Atlas, Page};
 use crate::solve::buffers::{PageBuffers, Validity};

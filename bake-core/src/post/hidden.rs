@@ -1,8 +1,7 @@
 //! Texels that no light could be found for, after all filling.
 //!
-//! A chart that lies wholly inside other geometry stays without value: a column's end in the floor, the back of a frame on
-//! a wall. Nobody sees it. An instance of which this holds everywhere is another matter: it is turned inside out, or lies
-//! where it should not.
+//! Single texels may stay that touch no other of their chart: nobody sees them. An instance without a single texel of value
+//! is another matter: it is turned inside out, or lies where it should not.
 
 use crate::atlas::Atlas;
 use crate::solve::buffers::{PageBuffers, Validity};
@@ -10,7 +9,7 @@ use crate::solve::buffers::{PageBuffers, Validity};
 /// What stayed without value.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Hidden {
-    /// Texels of charts that are buried whole.
+    /// Texels.
     pub texels: u64,
     /// Of those, texels of the instances below.
     pub lightless_texels: u64,

@@ -218,3 +218,36 @@ fn buried_texels_take_values_of_their_own_chart_only() {
     }
     assert!(filled > 100);
 }
+
+#[test]
+fn a_chart_without_light_takes_that_of_its_objects_nearest_texel() {
+    let above = Affine3A::from_translation(Vec3::Y * 1.01);
+    let aside = Affine3A::from_translation(Vec3::X * 5.0);
+    let scene = scene_of(vec![block(Vec3::ONE, 0.1)], &[(0, Affine3A::IDENTITY), (0, above), (0, aside)]);
+    let atlas = atlas_of(&scene, 8.0);
+    // The block above is brighter and nearer to the hidden top, but another object.
+    let mut pages = lit(&scene, &atlas, |p| if p.y > 1.005 { 100.0 } else { p.y }, 0.0);
+    let (mut tops, mut aside) = (vec![], vec![]);
+    for texel in &atlas.pages[0].texels {
+        let points = atlas.pages[0].points_of(texel);
+        let index = atlas.pages[0].index(texel.x.into(), texel.y.into());
+        match points[0].instance {
+            0 if points.iter().all(|p| place(&scene, p).y > 0.999) => tops.push(index),
+            2 => aside.push(index),
+            _ => continue,
+        }
+        pages[0].validity[index] = Validity::Buried;
+        pages[0].terms[0].irradiance[index] = Vec3::ZERO;
+    }
+    let before = hidden(&atlas, &pages);
+    adopt(&scene, &atlas.pages, &mut pages);
+    let after = hidden(&atlas, &pages);
+    assert_eq!((after.texels as usize, after.lightless), (aside.len(), vec![2]));
+    assert_eq!(before.texels as usize, aside.len() + tops.len(), "the top has no light without it");
+    assert!(tops.len() > 30 && tops.iter().all(|&i| pages[0].validity[i] == Validity::Filled), "{} texels", tops.len());
+    // The sides end at y = 1; their uppermost texels reach an eighth of a metre down at most.
+    for &top in &tops {
+        let light = pages[0].terms[0].irradiance[top].x;
+        assert!((0.85..=1.0).contains(&light), "{light}");
+    }
+}
