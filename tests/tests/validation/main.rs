@@ -4,5 +4,6 @@
 mod closed_forms;
 mod dark;
 mod fog;
+mod leaks;
 mod real_scenes;
 mod truth;

@@ -2,12 +2,12 @@
 //! assets are not beside the project.
 //!
 //! Each is baked as set, and again with four times the samples: its light must be the same. A texel is valid when it
-//! was baked, or lies buried in other geometry and was filled from its neighbours. The normal run takes two of them
+//! was baked, or lies buried in other geometry and was filled from its neighbours. The normal run takes three of them
 //! on small pages, the long form all on pages of their settings.
 
-use bake_core::atlas;
+use bake_core::atlas::{self, Atlas};
 use bake_core::post::{self, SeamScore};
-use bake_core::scene;
+use bake_core::scene::{self, Scene};
 use bake_core::settings;
 use bake_core::solve::buffers::{PageBuffers, TermImage, Validity};
 use bake_formats::Term;
@@ -19,12 +19,16 @@ use glam::Vec3;
 use std::path::Path;
 use testkit::reference::{shared, workspace};
 
+use crate::leaks;
+
 /// Least share of texels with a value.
 const VALID: f64 = 0.99;
 /// Largest relative difference of mean and percentiles from the longer bake.
 const STEADY: f64 = 0.05;
 /// Largest mean relative step across seams that are meant as smooth.
 const SEAM: f64 = 0.05;
+/// Largest leak score: direct light where no emitter reaches, as a share of the mean.
+const LEAK: f64 = 0.01;
 /// Largest angle between normals on both sides of such a seam, degrees; the program's own.
 const SMOOTH_ANGLE: f32 = 15.0;
 
@@ -40,7 +44,7 @@ const ASSETS: [Asset; 7] = [
     Asset { name: "LightsPunctualLamp", file: "LightsPunctualLamp.gltf", small: None },
     Asset { name: "godot-living_room", file: "living_room.glb", small: Some("--page-size 128 --quality preview") },
     Asset { name: "playcanvas-house", file: "house.glb", small: None },
-    Asset { name: "godot-room", file: "room.glb", small: None },
+    Asset { name: "godot-room", file: "room.glb", small: Some("--page-size 96 --quality preview") },
     Asset { name: "webxr-garage", file: "garage.gltf", small: None },
     Asset { name: "DiffuseTransmissionPlant", file: "DiffuseTransmissionPlant.glb", small: None },
 ];
@@ -88,7 +92,12 @@ fn check(asset: &Asset, flags: &str) {
     let strange =
         pages.iter().flat_map(|page| &page.total).filter(|value| !value.is_finite() || value.min_element() < 0.0);
     ledger.at_most("texels not finite, or negative", strange.count() as f64, 0.0);
-    ledger.at_most("seam score", seam_score(&scene, &settings, &flags, &pages).mean, SEAM);
+    let (layout_scene, atlas) = layout(&scene, &settings, &flags, &pages);
+    ledger.at_most("seam score", seam_score(&layout_scene, &atlas, &pages).mean, SEAM);
+    let leaks = leaks::measure(&layout_scene, &baked);
+    ledger.note("points that no emitter reaches", f64::from(leaks.dark_points));
+    ledger.at_most("leak score", leaks.score, LEAK);
+    ledger.refused("leak score of the points that emitters reach", leaks.lit_score, LEAK);
 
     let longer = Baked::new(&scene, &format!("{flags} --seed 1 --samples {}", 4.0 * baked.samples()));
     let longer = levels(&longer.pages());
@@ -136,8 +145,8 @@ fn levels(pages: &[LightmapPage]) -> Vec<f64> {
     levels
 }
 
-/// The score of what was written, on the layout that scene and settings give again.
-fn seam_score(scene: &Path, settings: &Path, flags: &str, pages: &[LightmapPage]) -> SeamScore {
+/// The scene and layout that the program had, made again.
+fn layout(scene: &Path, settings: &Path, flags: &str, pages: &[LightmapPage]) -> (Scene, Atlas) {
     let mut settings = settings::read(settings).expect("committed settings are valid");
     let mut words = flags.split_whitespace().skip_while(|word| *word != "--page-size");
     if let Some(size) = words.nth(1) {
@@ -148,8 +157,13 @@ fn seam_score(scene: &Path, settings: &Path, flags: &str, pages: &[LightmapPage]
     let (atlas, _) = atlas::build(&scene, &settings.atlas_settings()).expect("what the program baked has a layout");
     let sizes = atlas.pages.iter().map(|page| (page.width, page.height));
     assert!(sizes.eq(pages.iter().map(|page| (page.width, page.height))), "another layout than the program's");
+    (scene, atlas)
+}
+
+/// The score of what was written.
+fn seam_score(scene: &Scene, atlas: &Atlas, pages: &[LightmapPage]) -> SeamScore {
     let pages: Vec<PageBuffers> = pages.iter().map(buffers).collect();
-    post::seam_score(&post::find_seams(&scene, &atlas, SMOOTH_ANGLE), &atlas, &pages)
+    post::seam_score(&post::find_seams(scene, atlas, SMOOTH_ANGLE), atlas, &pages)
 }
 
 /// A page as the solver holds it, the total as one term. What dilation wrote counts as filled, as it does for readers.

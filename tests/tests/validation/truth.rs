@@ -1,14 +1,14 @@
-//! Irradiance at world points by an independent renderer (`scenes/truth/irradiance.py`), met through the package's look-up.
+//! Irradiance at world points by an independent renderer (`scenes/truth/irradiance.py`), met through `bake sample`.
 //!
 //! The truth's variance is subtracted from the squared error. In the normal run `cornell` bakes at medium quality, whose
 //! texels are to have a standard error of 4 %: there the bake's own variance is subtracted too, so that the same 3 %
 //! holds for what is left.
 
 use bake_formats::metrics::{self, Metrics};
-use bake_formats::sample::sample_csv;
 use bake_tests::ledger::Ledger;
-use bake_tests::program::Baked;
+use bake_tests::program::{self, Baked};
 use glam::{DVec3, Vec3};
+use std::path::Path;
 use testkit::reference::{Row, read_csv, workspace};
 
 /// Largest bias allowed.
@@ -29,18 +29,25 @@ fn rgb(row: &Row, name: &str) -> Vec3 {
     DVec3::from_array(["r", "g", "b"].map(|channel| row.number(&format!("{name}_{channel}")))).as_vec3()
 }
 
+/// What `bake sample` says of points; every one of them must lie on a surface.
+fn sample(baked: &Baked, points: &str) -> Vec<Row> {
+    let desk = tempfile::tempdir().expect("a temporary folder");
+    let [input, output] = ["points.csv", "light.csv"].map(|name| desk.path().join(name));
+    std::fs::write(&input, points).expect("a temporary folder takes files");
+    let arguments = [baked.folder(), &input, Path::new("-o"), &output].map(|path| path.to_str().expect("UTF-8"));
+    let ended = program::run(&[&["sample"], &arguments[..]].concat());
+    // It tells points without a surface.
+    assert!(ended.status.success() && ended.stderr.is_empty(), "{}", String::from_utf8_lossy(&ended.stderr));
+    read_csv(&output)
+}
+
 /// The points of a truth file looked up in the package.
 fn points(name: &str, baked: &Baked) -> Vec<Point> {
     let truth = read_csv(&workspace().join(format!("tests/data/truth_{name}.csv")));
     let columns = ["px", "py", "pz", "nx", "ny", "nz"];
     let line = |row: &Row| columns.map(|column| row.text(column).to_owned()).join(",");
     let text = std::iter::once(columns.join(",")).chain(truth.iter().map(line)).collect::<Vec<_>>().join("\n");
-    let (sampled, unanswered) = sample_csv(&baked.sampler(), &text).expect("a points file of our own");
-    assert_eq!(unanswered, 0, "{name}: points without a surface");
-    let desk = tempfile::tempdir().expect("a temporary folder");
-    let output = desk.path().join("light.csv");
-    std::fs::write(&output, sampled).expect("a temporary folder takes files");
-    let sampled = read_csv(&output);
+    let sampled = sample(baked, &text);
     assert_eq!(sampled.len(), truth.len());
     let squared = |v: Vec3| v * v;
     let point = |(truth, sampled): (&Row, &Row)| Point {
