@@ -112,13 +112,7 @@ fn name(reference: &Point) -> String {
 /// What all numbers of a study have in common, hashed; `reference` names what they are compared with.
 pub(crate) fn subject(study: &Study, job: &Job, reference: &str) -> Result<String, StudyError> {
     let settings = fingerprint::settings(&job.settings).map_err(StudyError::io(&study.file))?;
-    Ok(hash(&[
-        env!("CARGO_PKG_VERSION"),
-        &job.scene.blake3,
-        &settings.to_string(),
-        reference,
-        study.clock.name(),
-    ]))
+    Ok(hash(&[env!("CARGO_PKG_VERSION"), &job.scene.blake3, &settings.to_string(), reference, study.clock.name()]))
 }
 
 /// The points that are not measured yet, each once.
