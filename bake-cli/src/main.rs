@@ -20,7 +20,6 @@ mod output;
 mod plan_text;
 mod progress;
 mod report;
-mod stdout;
 mod units;
 mod values;
 

@@ -4,7 +4,6 @@ use super::sample::failure;
 use crate::cli::Global;
 use crate::console;
 use crate::exit::{Failure, Outcome};
-use crate::stdout;
 use bake_formats::Package;
 use bake_formats::diff::{Comparison, Diff};
 use bake_formats::metrics::Metrics;

@@ -4,7 +4,6 @@ use crate::cli::Global;
 use crate::console;
 use crate::exit::{Failure, Outcome};
 use crate::input::check_scene_file;
-use crate::stdout;
 use bake_core::settings::{TEMPLATE, sidecar};
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -11,7 +11,6 @@ use crate::job;
 use crate::plan_text;
 use crate::progress::Progress;
 use crate::report::Stopwatch;
-use crate::stdout;
 use bake_core::plan::Plan;
 use bake_core::trace::Tracer;
 

@@ -12,7 +12,6 @@ use crate::output::{Output, Pages};
 use crate::plan_text;
 use crate::progress::Progress;
 use crate::report::{Measured, Stopwatch};
-use crate::stdout;
 use bake_core::explain::{self, Explanation};
 use bake_core::plan::Plan;
 use bake_core::post::{self, Hidden};

@@ -7,7 +7,6 @@ use crate::flags::RARE;
 use crate::input::{HELP_TEMPLATE, Input};
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
-use crate::stdout;
 use bake_study::clock::Clock;
 use bake_study::effort::Effort;
 use bake_study::{Study, StudyError, effects};

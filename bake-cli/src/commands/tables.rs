@@ -15,7 +15,6 @@ use crate::console;
 use crate::exit::{Failure, Outcome};
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
-use crate::stdout;
 
 /// Flags of `bake tables`.
 #[derive(Debug, clap::Args)]

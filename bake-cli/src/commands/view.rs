@@ -3,7 +3,6 @@
 use crate::cli::Global;
 use crate::console;
 use crate::exit::{Failure, Outcome};
-use crate::stdout;
 use bake_formats::Package;
 use bake_formats::package::write_atomic;
 use bake_view::{
