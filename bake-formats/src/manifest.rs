@@ -161,7 +161,6 @@ pub struct EnvironmentRecord {
     /// Mean radiance over the sphere, cd/m².
     pub mean_radiance: Vec3,
     /// Its picture, radiance in cd/m², `size` or halved as often as 1024 texels across ask for; none of a uniform sky.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
 }
 
