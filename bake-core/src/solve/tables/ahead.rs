@@ -20,6 +20,9 @@ const PLANE_HEIGHT: f32 = 0.025;
 /// walls' size: near ones count in thicker air. With the shares of all four.
 const SPANS: [f32; 3] = [0.5, 0.5 / 8.0, 0.5 / 64.0];
 const SHARES: [f32; 4] = [0.6, 0.2, 0.1, 0.1];
+/// Most of the mean free path that counts as a mean distance, in units of the scene's size: at night bright ground far away is
+/// what lights dark ground.
+const FAR: f32 = 0.25;
 
 /// A direction drawn at a vertex, half by cosine and half uniformly, and what lies there.
 pub(super) struct Ahead {
@@ -55,7 +58,7 @@ impl View<'_, '_> {
     /// Draws a point of the vertex's own plane: any angle, the distance by a mean of exponentials.
     pub(super) fn beside(&self, vertex: &Vertex, [u, v]: [f32; 2], counters: &Counters) -> Option<Beside> {
         let [wide, middle, narrow] = SPANS.map(|span| span * self.wall);
-        let spans = [self.free_path(vertex.origin).min(wide), wide, middle, narrow];
+        let spans = [self.free_path(vertex.origin).min(FAR * self.extent), wide, middle, narrow];
         let mut rest = u;
         let chosen = SHARES.iter().position(|share| {
             rest -= share;
