@@ -88,7 +88,7 @@ pub struct SettingsFlags {
     /// Simulate an effect, or leave it out, whatever the plan would choose: multiple=off, colour=on; may be repeated
     #[arg(hide = true, long, value_name = "EFFECT=ON|OFF", help_heading = "Accuracy", value_parser = values::forced)]
     force_effect: Vec<(EffectName, bool)>,
-    /// How light in the air is solved: auto, walk, grid, tables [default: auto]
+    /// How light in the air is solved: auto, walk, grid, tables, paper [default: auto]
     #[arg(long, value_name = "MODE", help_heading = "Air", value_parser = one_of(Mode::ALL), hide_possible_values = true)]
     pub mode: Option<Mode>,
     /// Air: sigma_t=0.5,albedo=0.9[,g=0.3,bounds=x0:y0:z0:x1:y1:z1], channels as 0.5/0.4/0.3; none

@@ -6,8 +6,9 @@ use bake_formats::table_file::{TableFile, TableFileError};
 
 use crate::axial::{ALL_DEGREES, HARMONIC_COUNT, HARMONICS};
 use crate::curves::{Curves, Shape};
-use crate::recipe::Recipe;
-use crate::{axial, fitted, resample};
+use crate::fitted::Criterion;
+use crate::recipe::{Layout, Recipe};
+use crate::{axial, directional, fitted, point, resample};
 
 /// The tables that every file holds, in file order.
 pub const NAMES: [&str; 9] = [
@@ -48,6 +49,26 @@ impl TableSet {
         SET.get_or_init(|| {
             let file = TableFile::from_bytes(EMBEDDED, "embedded tables").expect("checked by the tests of this crate");
             Self::from_file(&file).expect("checked by the tests of this crate")
+        })
+    }
+
+    /// The tables as published in 2019: once-scattered light of three phase functions, that of areas about a fitted axis. Made when
+    /// they are first asked for, which takes some seconds of one processor.
+    pub fn published() -> &'static Self {
+        static SET: OnceLock<TableSet> = OnceLock::new();
+        SET.get_or_init(|| {
+            let recipe = Recipe { layout: Layout::Paper, ..Self::embedded().recipe };
+            let (basis, Recipe { grid, bands, .. }) = (recipe.basis(), recipe);
+            let mut set = Self { recipe, tables: Self::embedded().tables.clone() };
+            for (name, curves) in [
+                ("point.single", point::store_single(grid, &basis, bands)),
+                ("directional.single", directional::store_single(grid, &basis, bands)),
+                ("area.single", fitted::store_single(grid, Criterion::Radiance)),
+            ] {
+                let index = NAMES.iter().position(|n| *n == name).expect("one of the names");
+                set.tables[index] = resample::distances(&curves, recipe.read_grid());
+            }
+            set
         })
     }
 

@@ -249,7 +249,7 @@ fn colour(air: &Air, bounds: &Bounds) -> Call {
 /// What the chosen solver adds to the list.
 pub fn of_solver(mode: Option<Mode>) -> Vec<Effect> {
     let Some(mode) = mode else { return vec![] };
-    let is_tables = mode == Mode::Tables;
+    let is_tables = matches!(mode, Mode::Tables | Mode::Paper);
     let why = match is_tables {
         true => "drawn on its own: tables know no neighbours in a surface's plane",
         false => "paths through the air find it",

@@ -179,7 +179,10 @@ fn paths_bytes(settings: &Settings, cost: &Cost, texels: usize) -> Result<Option
 /// The solver for the air that is left.
 fn choose_mode(scene: &Scene, air: &Air, settings: &Settings, effects: &[Effect]) -> Option<Choice> {
     let choice = (!air.is_empty()).then(|| Choice::derive(scene, air, settings))?;
-    if choice.mode == Mode::Tables && !settings.keep_paths && !effects::is_on(effects, EffectName::Multiple) {
+    if matches!(choice.mode, Mode::Tables | Mode::Paper)
+        && !settings.keep_paths
+        && !effects::is_on(effects, EffectName::Multiple)
+    {
         let why = "tables hold all orders of scattering together, and `multiple` is off".into();
         return Some(Choice { mode: Mode::Grid, why });
     }

@@ -33,10 +33,13 @@ impl Choice {
             }
             settings::Mode::Walk => because(Mode::Walk, "as set".into()),
             settings::Mode::Grid => because(Mode::Grid, "as set".into()),
-            settings::Mode::Tables if settings.sh1 => {
+            settings::Mode::Tables | settings::Mode::Paper if settings.sh1 => {
                 because(Mode::Grid, "tables are set, but hold no directions for sh1".into())
             }
             settings::Mode::Tables => because(Mode::Tables, "as set".into()),
+            settings::Mode::Paper => {
+                because(Mode::Paper, "as set: the published method, too bright in closed rooms by 8 to 124 %".into())
+            }
             settings::Mode::Auto => Self::automatic(scene, air),
         }
     }

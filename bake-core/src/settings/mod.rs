@@ -214,12 +214,19 @@ pub enum Mode {
     Grid,
     /// Tables of an infinite medium, looked up along paths over surfaces and brought to the scene by factors.
     Tables,
+    /// The same as published in 2019, without any correction: too bright in closed rooms, here for comparison.
+    Paper,
 }
 
 impl Mode {
     /// All, by the name of their flag value.
-    pub const ALL: [(&str, Self); 4] =
-        [("auto", Self::Auto), ("walk", Self::Walk), ("grid", Self::Grid), ("tables", Self::Tables)];
+    pub const ALL: [(&str, Self); 5] = [
+        ("auto", Self::Auto),
+        ("walk", Self::Walk),
+        ("grid", Self::Grid),
+        ("tables", Self::Tables),
+        ("paper", Self::Paper),
+    ];
 }
 
 /// A sun: parallel light but for its disk.

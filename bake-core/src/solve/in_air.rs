@@ -7,11 +7,13 @@ use super::media::Fog;
 use super::points::{self, LatticeLight};
 use super::sampler::hash;
 use super::tables::medium::Tabled;
+use super::tables::paper::PaperPaths;
 use super::tables::{self, TablePaths};
 use super::{Lightmap, LightmapSettings, Mode, emitters, pages, paths, solve_pages};
 use crate::atlas::Atlas;
 use crate::progress::{Interrupted, Progress};
 use crate::trace::Tracer;
+use ::tables::TableSet;
 use bake_optics::medium::MediumSet;
 
 /// Of the light grid, beside those of pages.
@@ -27,6 +29,8 @@ pub enum InAir<'a> {
     Grid(Fog<'a>, LightGrid, [u64; 3]),
     /// Tables answer at surfaces; points in the air are walked.
     Tables(&'a MediumSet, Fog<'a>),
+    /// The same, as published.
+    Paper(&'a MediumSet, Fog<'a>),
 }
 
 impl<'a> InAir<'a> {
@@ -47,6 +51,7 @@ impl<'a> InAir<'a> {
                 Ok(Self::Grid(fog, grid, counts))
             }
             Mode::Tables if fog.scatters => Ok(Self::Tables(media, fog)),
+            Mode::Paper if fog.scatters => Ok(Self::Paper(media, fog)),
             _ => Ok(Self::Walk(fog)),
         }
     }
@@ -63,6 +68,11 @@ impl<'a> InAir<'a> {
             Self::Walk(fog) => pages(tracer, fog, atlas, settings, progress),
             Self::Tables(media, _) => {
                 with_tables(tracer, media, settings, progress, |paths| solve_pages(paths, atlas, settings, progress))
+            }
+            Self::Paper(media, _) => {
+                let (emitters, tabled) = (emitters(tracer, settings), Tabled::new(media));
+                let paths = PaperPaths::new(paths(tracer, &emitters, &tabled, settings), TableSet::published());
+                solve_pages(&paths, atlas, settings, progress)
             }
             Self::Grid(fog, grid, [rays, shadow_rays, cut_paths]) => {
                 let lit = Lit::new(fog.clone(), grid, tracer);
@@ -85,7 +95,7 @@ impl<'a> InAir<'a> {
         progress: &dyn Progress,
     ) -> Result<LatticeLight, Interrupted> {
         match self {
-            Self::Walk(fog) | Self::Tables(_, fog) => {
+            Self::Walk(fog) | Self::Tables(_, fog) | Self::Paper(_, fog) => {
                 points::solve(&paths(tracer, emitters, fog, settings), lattice, settings, progress)
             }
             Self::Grid(fog, grid, _) => {

@@ -125,6 +125,8 @@ pub enum Mode {
     /// Paths over surfaces alone, which look up what the air scatters in tables of an infinite medium, brought to the scene
     /// by factors. Gathers no harmonics.
     Tables,
+    /// The same as published in 2019, without any correction: to show its bias. Gathers no harmonics.
+    Paper,
 }
 
 impl Default for LightmapSettings {
@@ -153,6 +155,7 @@ impl Mode {
             Self::Walk => "walk",
             Self::Grid => "grid",
             Self::Tables => "tables",
+            Self::Paper => "paper",
         }
     }
 }

@@ -6,6 +6,8 @@ mod air_laws;
 mod fog;
 #[cfg(feature = "media")]
 mod kept;
+#[cfg(feature = "media")]
+mod paper;
 mod points;
 #[cfg(feature = "media")]
 mod tables;

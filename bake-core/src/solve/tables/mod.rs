@@ -11,6 +11,7 @@ pub mod codec;
 pub mod factors;
 mod fold;
 pub mod medium;
+pub mod paper;
 pub mod record;
 pub mod responses;
 mod sources;

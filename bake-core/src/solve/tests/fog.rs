@@ -43,7 +43,7 @@ pub fn uniform(bounds: Bounds, sigma_t: f64, albedo: f64, phase: Phase<f64>) -> 
 #[derive(Debug)]
 pub(super) struct Score {
     /// Of the mean.
-    bias: f64,
+    pub(super) bias: f64,
     /// Relative RMSE of architecture, with the variances of truth and bake taken off.
     rmse: f64,
     /// What was taken off for the bake.
