@@ -161,7 +161,7 @@ impl Base {
             Series { name: name.into(), points: effort.samples.iter().map(point).collect() }
         };
         let series = if self.scatters {
-            [Mode::Walk, Mode::Grid, Mode::Tables].map(|mode| line(mode.name(), mode)).to_vec()
+            [Mode::Walk, Mode::Grid, Mode::Tables, Mode::Paper].map(|mode| line(mode.name(), mode)).to_vec()
         } else {
             vec![line("paths", Mode::Walk)]
         };

@@ -86,7 +86,7 @@ fn a_study_of_fog_repeats_and_goes_on_where_it_was() {
     // A third run has nothing to measure, and tells the same.
     let silent = run(&pieces, &Silent, &|line| assert!(line.starts_with("warning"), "measured again: {line}"));
     assert_eq!(silent.expect("all is there"), gone_on);
-    assert_eq!(summary.modes.len(), 3);
+    assert_eq!(summary.modes.len(), 4);
     assert!(summary.modes.iter().all(|mode| mode.overhead.is_some()));
     assert_page(&once.folder, 7);
     assert_honest(&summary, 2);
