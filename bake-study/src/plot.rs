@@ -7,7 +7,7 @@ use maud::{Markup, PreEscaped, html};
 
 /// Width and height in user units.
 const SIZE: (f64, f64) = (760.0, 400.0);
-/// Left, right, top, bottom.
+/// Left, right, top, bottom; wider at the right for long names.
 const MARGIN: (f64, f64, f64, f64) = (64.0, 160.0, 14.0, 44.0);
 
 /// Colours of lines, text and grid, in both schemes and on paper. Lines: blue, vermilion, green, purple, orange, grey of
@@ -24,13 +24,19 @@ font:12px system-ui,sans-serif;max-width:100%;height:auto}\
 .plot .s3{stroke:var(--c3);color:var(--c3)}.plot .s4{stroke:var(--c4);color:var(--c4)}.plot .s5{stroke:var(--c5);color:var(--c5)}\
 .plot circle.best{fill:currentColor}.plot circle.beaten{fill:var(--back)}";
 
+/// From the right margin's start to the names of lines.
+const NAMES_AT: f64 = 64.0;
+
+/// What a letter of a name takes at most on average, in 12 px system-ui.
+const LETTER: f64 = 7.2;
+
 /// How many colours there are.
 const COLOURS: usize = 6;
 
 /// A point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
-    /// Position, in the axes' units; must be above 0.
+    /// Position, in the axes' units; must be above 0 on logarithmic axes.
     pub at: (f64, f64),
     /// Shown on hovering.
     pub title: String,
@@ -45,13 +51,15 @@ pub struct Line {
     pub marks: Vec<Mark>,
 }
 
-/// A plot with logarithmic axes.
+/// A plot with logarithmic axes, or an even one across.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Plot {
     /// For readers who cannot see it.
     pub title: String,
     /// Names of the axes.
     pub axes: [&'static str; 2],
+    /// Whether the axis across is even; 0 is a place on it then.
+    pub even: bool,
     /// The lines.
     pub lines: Vec<Line>,
     /// The points of the Pareto front, drawn filled and joined by a dashed line.
@@ -62,10 +70,11 @@ pub struct Plot {
 
 /// Where numbers lie on an axis.
 struct Scale {
-    /// Logarithms (base 10) of both ends.
+    /// Both ends: logarithms (base 10) unless the axis is even.
     range: [f64; 2],
     /// Their places.
     place: [f64; 2],
+    even: bool,
 }
 
 impl Scale {
@@ -76,18 +85,34 @@ impl Scale {
         let [low, high] = if low <= high { [low, high] } else { [0.0, 0.0] };
         // Half a decade at least, and some room at the ends.
         let room = (0.5 * (0.5 - (high - low))).max(0.04 * (high - low)).max(0.03);
-        Self { range: [low - room, high + room], place }
+        Self { range: [low - room, high + room], place, even: false }
+    }
+
+    /// An even axis with room at the ends.
+    fn even(values: impl Iterator<Item = f64>, place: [f64; 2]) -> Self {
+        let [low, high] =
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
+        let [low, high] = if low < high { [low, high] } else { [0.0, 1.0] };
+        let room = 0.04 * (high - low);
+        Self { range: [low - room, high + room], place, even: true }
     }
 
     fn at(&self, value: f64) -> f64 {
         let [low, high] = self.range;
-        let share = (value.max(f64::MIN_POSITIVE).log10() - low) / (high - low);
+        let along = if self.even { value } else { value.max(f64::MIN_POSITIVE).log10() };
+        let share = (along - low) / (high - low);
         self.place[0] + share.clamp(-0.02, 1.02) * (self.place[1] - self.place[0])
     }
 
-    /// Decades, with 2 and 5 between where there are few.
+    /// Decades, with 2 and 5 between where there are few; on an even axis about six round numbers.
     fn ticks(&self) -> Vec<f64> {
         let [low, high] = self.range;
+        if self.even {
+            let decade = 10f64.powf(((high - low) / 6.0).log10().floor());
+            let fitting = [1.0, 2.0, 3.0, 5.0, 10.0].into_iter().find(|step| (high - low) / (step * decade) < 8.0);
+            let step = decade * fitting.unwrap_or(10.0);
+            return ((low / step).ceil() as i64..=(high / step).floor() as i64).map(|i| i as f64 * step).collect();
+        }
         let steps: &[f64] = if high - low > 3.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };
         let decades = (low.floor() as i32)..=(high.ceil() as i32);
         let all = decades.flat_map(|decade| steps.iter().map(move |step| step * 10f64.powi(decade)));
@@ -99,13 +124,15 @@ impl Plot {
     /// The picture, complete: it can stand in a page or in a file of its own.
     pub fn svg(&self) -> Markup {
         let marks = || self.lines.iter().flat_map(|line| &line.marks);
-        let x = Scale::new(marks().map(|mark| mark.at.0), [MARGIN.0, SIZE.0 - MARGIN.1]);
+        let (across, place) = (marks().map(|mark| mark.at.0), [MARGIN.0, SIZE.0 - MARGIN.1]);
+        let x = if self.even { Scale::even(across, place) } else { Scale::new(across, place) };
+        let width = self.width();
         let heights = marks().map(|mark| mark.at.1).chain(self.levels.iter().map(|level| level.0));
         let y = Scale::new(heights, [SIZE.1 - MARGIN.3, MARGIN.2]);
         html! {
-            svg.plot xmlns="http://www.w3.org/2000/svg" viewBox=(format!("0 0 {} {}", SIZE.0, SIZE.1)) width=(SIZE.0) height=(SIZE.1) role="img" aria-label=(self.title) {
+            svg.plot xmlns="http://www.w3.org/2000/svg" viewBox=(format!("0 0 {width} {}", SIZE.1)) width=(width) height=(SIZE.1) role="img" aria-label=(self.title) {
                 style { (PreEscaped(STYLE)) }
-                rect.back width=(SIZE.0) height=(SIZE.1) {}
+                rect.back width=(width) height=(SIZE.1) {}
                 (self.frame(&x, &y))
                 @for (height, name) in &self.levels {
                     path.level d=(format!("M{:.1} {:.1}H{:.1}", x.place[0], y.at(*height), x.place[1])) {}
@@ -115,6 +142,12 @@ impl Plot {
                 @if self.front.len() > 1 { path.front d=(way(self.front.iter().map(|&(s, e)| (x.at(s), y.at(e))))) {} }
             }
         }
+    }
+
+    /// With room for the longest name of a line.
+    fn width(&self) -> f64 {
+        let longest = self.lines.iter().map(|line| line.name.chars().count()).max().unwrap_or(0);
+        SIZE.0.max((SIZE.0 - MARGIN.1 + NAMES_AT + LETTER * longest as f64).ceil())
     }
 
     fn frame(&self, x: &Scale, y: &Scale) -> Markup {
@@ -145,7 +178,7 @@ impl Plot {
                 }
                 path.line d=(format!("M{:.0} {top:.0}h16", SIZE.0 - MARGIN.1 + 44.0)) {}
             }
-            text x=(SIZE.0 - MARGIN.1 + 64.0) y=(top + 4.0) { (line.name) }
+            text x=(SIZE.0 - MARGIN.1 + NAMES_AT) y=(top + 4.0) { (line.name) }
         }
     }
 }
@@ -181,7 +214,22 @@ mod tests {
             lines: vec![line],
             front: vec![(1.0, 10.0), (10.0, 3.0)],
             levels: vec![(1.0, "1 %".into())],
+            ..Plot::default()
         }
+    }
+
+    #[test]
+    fn names_end_inside_the_picture_and_an_even_axis_has_round_numbers() {
+        let mut plot = plot();
+        assert_eq!(plot.width(), SIZE.0);
+        plot.lines[0].name = "a name of forty letters, more or less so".into();
+        let end = SIZE.0 - MARGIN.1 + NAMES_AT + LETTER * 40.0;
+        assert!(
+            plot.width() >= end && plot.svg().into_string().contains(&format!("viewBox=\"0 0 {} 400\"", plot.width()))
+        );
+        let angles = Scale::even([0.0, 45.0, 180.0].into_iter(), [0.0, 108.0]);
+        assert_eq!(angles.ticks(), [0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0]);
+        assert!((angles.at(90.0) - 54.0).abs() < 1e-9);
     }
 
     #[test]

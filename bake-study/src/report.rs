@@ -124,6 +124,7 @@ pub fn plot(group: &Group, store: &Store) -> Plot {
     Plot {
         title: group.kind.text()[0].into(),
         axes: ["seconds", "relative RMSE, %"],
+        even: false,
         front: pareto::front(&points).into_iter().map(|at| points[at]).collect(),
         levels: LEVELS.map(|level| (100.0 * level, format!("{} %", 100.0 * level))).into(),
         lines,

@@ -69,12 +69,11 @@ fn side_by_side(tables: &[Curves]) -> Curves {
 
 /// A whole file: computed, rounded, and its look-up measured against direct evaluation.
 pub fn generate(recipe: &Recipe, progress: Progress) -> TableFile {
-    let tables = compute_tables(recipe, &|share, what| progress(0.8 * share, what));
+    let tables = compute_tables(recipe, &|share, what| progress(0.4 * share, what));
     let mut file = to_file(recipe, &tables);
     let set = TableSet::from_file(&file).expect("what was just made");
-    progress(0.8, "measuring look-up");
-    let errors = accuracy::measure(&set, accuracy::SAMPLES);
-    file.manifest.tables.iter_mut().zip(errors).for_each(|(entry, error)| entry.look_up_error = error);
+    let bounds = accuracy::bounds(&set, &|share, what| progress(0.4 + 0.6 * share, &format!("measuring {what}")));
+    file.manifest.tables.iter_mut().zip(bounds).for_each(|(entry, bound)| entry.look_up_error = bound);
     progress(1.0, "done");
     file
 }
