@@ -1,8 +1,9 @@
 //! Two programs beside each other: `ab OLD NEW [PAIRS]` bakes small scenes with both in turns and fails where the new one
 //! costs more beyond the noise of these runs. `ci/bench` builds the programs of two commits and calls it.
 //!
-//! The cost of a bake is seconds × error²: what the same error takes. Samples are fixed, the error is the one that the
-//! bake states; seconds are those of tracing. Not shown: loading, layout, writing, large scenes.
+//! The cost of a bake is seconds × error²: what the same error takes. Samples are fixed, the error is the one that the bake
+//! states; seconds are what the processor spends on the whole program, as the shell's `times` tells them: a busy machine
+//! changes them little. Not shown: large scenes, how well threads are used.
 
 use bake_study::ratio::{Verdict, decide};
 use serde_json::Value;
@@ -57,18 +58,29 @@ fn pair(old: &str, new: &str, scene: &str, flags: &str, turn: u32) -> Result<(f6
 
 fn cost(program: &str, scene: &str, flags: &str) -> Result<f64, Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let folder = root.join("target/bench/out");
-    let output = Command::new(program)
+    let output = Command::new("sh")
+        .args(["-c", "\"$@\" && times", "sh", program])
         .args(["run", "--json", "-q", "--page-size", "128", "--max-pages", "1", "-o"])
-        .arg(&folder)
+        .arg(root.join("target/bench/out"))
         .arg(root.join("scenes").join(scene).with_extension("glb"))
         .args(flags.split(' '))
         .output()?;
-    let told: Value = serde_json::from_slice(&output.stdout)
-        .map_err(|_| format!("{program} {scene} {flags}: {}", String::from_utf8_lossy(&output.stderr)))?;
-    let stages = told["stages"].as_array().ok_or("no stages")?;
-    let is_tracing = |stage: &&Value| ["light in the air", "trace"].iter().any(|name| stage["name"] == *name);
-    let seconds: f64 = stages.iter().filter(is_tracing).filter_map(|stage| stage["seconds"].as_f64()).sum();
-    let error = told["reached_error"].as_f64().ok_or("no error")?;
+    let told = String::from_utf8(output.stdout)?;
+    let fault = || format!("{program} {scene} {flags}: {}", String::from_utf8_lossy(&output.stderr));
+    let (report, seconds) = told_seconds(&told).ok_or_else(fault)?;
+    let report: Value = serde_json::from_str(report).map_err(|_| fault())?;
+    let error = report["reached_error"].as_f64().ok_or("no error")?;
     Ok(seconds * error * error)
+}
+
+/// What a program printed, and the seconds that its processes took: `times` ends with a line of them, "1m2.5s 0m0.1s".
+fn told_seconds(told: &str) -> Option<(&str, f64)> {
+    let (before, children) = told.trim_end().rsplit_once('\n')?;
+    let (report, _shell) = before.rsplit_once('\n')?;
+    let seconds = |time: &str| {
+        let (minutes, seconds) = time.strip_suffix('s')?.split_once('m')?;
+        Some(60.0 * minutes.parse::<f64>().ok()? + seconds.parse::<f64>().ok()?)
+    };
+    let each: Option<Vec<f64>> = children.split_whitespace().map(seconds).collect();
+    Some((report, each.filter(|each| each.len() == 2)?.iter().sum()))
 }
