@@ -13,6 +13,7 @@ use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// One line of `points.csv`: settings, what they took, and how far they lead. Shares of one, seconds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -257,6 +258,20 @@ fn page_of(image: &FloatImage) -> Option<Page> {
     })
 }
 
+/// Hash of the program that runs, so that numbers of one build are never taken for those of another; its version where its file
+/// cannot be read.
+pub fn program() -> &'static str {
+    static PROGRAM: OnceLock<String> = OnceLock::new();
+    PROGRAM.get_or_init(|| {
+        let mut hasher = blake3::Hasher::new();
+        let read = std::env::current_exe().and_then(File::open).and_then(|file| hasher.update_reader(file).map(drop));
+        match read {
+            Ok(()) => hasher.finalize().to_hex()[..16].to_owned(),
+            Err(_) => env!("CARGO_PKG_VERSION").to_owned(),
+        }
+    })
+}
+
 /// Sixteen hexadecimal digits of the BLAKE3 of parts.
 pub fn hash(parts: &[&str]) -> String {
     let mut hasher = blake3::Hasher::new();
@@ -330,6 +345,12 @@ mod tests {
         std::fs::write(folder.path().join("points.csv"), "a,b\n1,2\n").expect("written");
         let message = Store::open(folder.path(), "a".into()).err().expect("refused").to_string();
         assert!(message.contains("points.csv") && message.contains("-o"), "{message}");
+    }
+
+    #[test]
+    fn the_program_is_told_by_its_own_bytes() {
+        let own = std::fs::read(std::env::current_exe().expect("it runs")).expect("it can be read");
+        assert_eq!(program(), &blake3::hash(&own).to_hex()[..16]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::error::StudyError;
 use crate::measure::{Bench, Errors, Page};
 use crate::point::{AirChange, Point};
 use crate::report;
-use crate::store::{Row, Store, hash};
+use crate::store::{self, Row, Store, hash};
 use crate::summary::Summary;
 use crate::sweep::{self, Group};
 use crate::thumbnails;
@@ -38,7 +38,8 @@ pub struct Study {
 }
 
 /// Runs a study, or goes on with one; `tell` hears of every point. Writes `study.html`, `study.json`, `points.csv`,
-/// the reference's pages and thumbnails. The same scene, settings and version give the same numbers, seconds aside.
+/// the reference's pages and thumbnails. The same scene, settings and program give the same numbers, seconds aside; points
+/// of another build are measured anew.
 ///
 /// # Errors
 /// An invalid scene, a file that cannot be read or written, or [`StudyError::Interrupted`]: what was measured until
@@ -112,7 +113,7 @@ fn name(reference: &Point) -> String {
 /// What all numbers of a study have in common, hashed; `reference` names what they are compared with.
 pub(crate) fn subject(study: &Study, job: &Job, reference: &str) -> Result<String, StudyError> {
     let settings = fingerprint::settings(&job.settings).map_err(StudyError::io(&study.file))?;
-    Ok(hash(&[env!("CARGO_PKG_VERSION"), &job.scene.blake3, &settings.to_string(), reference, study.clock.name()]))
+    Ok(hash(&[store::program(), &job.scene.blake3, &settings.to_string(), reference, study.clock.name()]))
 }
 
 /// The points that are not measured yet, each once.

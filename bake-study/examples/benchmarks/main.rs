@@ -8,7 +8,7 @@ mod page;
 use bake_core::progress::Silent;
 use bake_study::clock::Clock;
 use bake_study::sweep::{self, Kind};
-use bake_study::{Study, report};
+use bake_study::{Study, report, store};
 use cases::{CASES, Case};
 use serde::{Deserialize, Serialize};
 use std::error::Error;
@@ -46,7 +46,7 @@ fn workspace() -> PathBuf {
 
 /// Studies a case and keeps its numbers and the plot of its modes.
 fn record(case: &Case, kept: &Path) -> Result<(), Box<dyn Error>> {
-    let folder = workspace().join("target/benchmarks").join(case.name);
+    let folder = workspace().join("target/benchmarks").join(store::program()).join(case.name);
     let file = workspace().join("scenes").join(case.scene).with_extension("glb");
     let study = Study { settings: case.settings(&file)?, file, folder, effort: case.effort(), clock: Clock::Processor };
     eprintln!("{}", case.name);
