@@ -11,7 +11,7 @@ use crate::manifest::{FileRecord, ImageRecord, Manifest};
 use crate::medium::MediumRecord;
 use bake_optics::medium::MediumSet;
 use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
@@ -178,7 +178,10 @@ impl Package {
     /// refused as stale.
     pub fn open(place: &Path) -> Result<Self> {
         let path = if place.is_dir() { only_manifest(place)? } else { place.to_owned() };
-        let bytes = fs::read(&path).map_err(FormatError::io("read", &path))?;
+        let bytes = fs::read(&path).map_err(|source| match source.kind() {
+            io::ErrorKind::NotFound => FormatError::NoPackage { folder: place.to_owned() },
+            _ => FormatError::io("read", &path)(source),
+        })?;
         let manifest = Manifest::from_bytes(&path, &bytes)?;
         let folder = path.parent().map(Path::to_owned).unwrap_or_default();
         let package = Self { folder, path, manifest };

@@ -138,8 +138,10 @@ fn other_scene_or_settings_are_refused() {
 #[test]
 fn strangers_and_other_versions_are_refused_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
-    let error = Package::open(folder.path()).unwrap_err();
-    assert!(matches!(error, FormatError::NoPackage { .. }), "{error}");
+    for place in [folder.path().to_owned(), folder.path().join("missing")] {
+        let error = Package::open(&place).unwrap_err();
+        assert!(matches!(error, FormatError::NoPackage { .. }), "{error}");
+    }
     let path = folder.path().join("room.bake.json");
     let cases = [
         (r#"{"format": "atlas"}"#, "format is 'atlas'"),

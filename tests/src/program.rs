@@ -9,10 +9,14 @@ use std::sync::{Mutex, OnceLock};
 use std::time::SystemTime;
 use tempfile::TempDir;
 
-/// The program of this build. It is built first where it is missing or older than a source file.
+/// The program under test: the one that `BAKE_PROGRAM` names, or else that of this build, which is built first where it is
+/// missing or older than a source file.
 pub fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(|| {
+        if let Some(program) = std::env::var_os("BAKE_PROGRAM") {
+            return program.into();
+        }
         // Tests lie in target/PROFILE/deps.
         let test = std::env::current_exe().expect("a running test has a path");
         let folder = test.ancestors().nth(2).expect("tests lie below the target folder");
