@@ -1,13 +1,15 @@
 //! Light where no emitter reaches, in scenes whose right answer nobody knows: the leak score.
 //!
 //! Points of the surfaces from which draws towards every emitter all end at something opaque, there and two texels around,
-//! must have no direct light. Their mean direct light as a share of all points' mean is the score.
+//! must have no direct light. Their mean direct light as a share of all points' mean is the score. Points whose texel lies
+//! buried in other geometry are left out: nobody sees them, and they were filled from around.
 
 use bake_core::scene::Scene;
 use bake_core::solve::emitters::{Emitters, Strategy, Target};
 use bake_core::solve::sampler::Sampler as Numbers;
 use bake_core::trace::{Ray, Tracer};
 use bake_formats::Term;
+use bake_formats::sample::LightmapPage;
 use bake_tests::points::{Point, on_surfaces};
 use bake_tests::program::Baked;
 use glam::Vec3;
@@ -29,8 +31,8 @@ pub struct Leaks {
     pub lit_score: f64,
 }
 
-/// Compares a package with its scene.
-pub fn measure(scene: &Scene, baked: &Baked) -> Leaks {
+/// Compares a package and its pages with its scene.
+pub fn measure(scene: &Scene, baked: &Baked, pages: &[LightmapPage]) -> Leaks {
     let tracer = Tracer::new(scene);
     let emitters = Emitters::new(&tracer);
     let sampler = baked.sampler();
@@ -39,6 +41,11 @@ pub fn measure(scene: &Scene, baked: &Baked) -> Leaks {
     for point in on_surfaces(&baked.package, POINTS) {
         let normal = point.normal.as_vec3();
         let Some(sample) = sampler.sample(point.position.as_vec3(), normal) else { continue };
+        let page = &pages[sample.page as usize];
+        let [x, y] = sample.texel;
+        if !page.valid[(y * page.width + x) as usize] {
+            continue;
+        }
         let is_dark = places(&point).all(|place| !is_reached(&tracer, &emitters, place, normal));
         let sum = if is_dark { &mut dark } else { &mut lit };
         *sum = (sum.0 + f64::from(sample.terms[direct].max_element()), sum.1 + 1);
