@@ -30,10 +30,10 @@ fn scattering_at(place: vec3f, deflection: Deflection) -> vec3f {
 }
 
 fn air_value(ray: ViewRay, lamp: Lamp, sigma_t: vec3f, point: PathPoint) -> vec3f {
-    let place = ray.origin + ray.dir * point.s;
+    let place = ray.origin + ray.dir * point.place.s;
     let to_lamp = lamp.position - place;
     let away = max(length(to_lamp), 1e-20);
-    let depth = optical_depth(ViewRay(ray.origin, ray.dir, point.s)) + optical_depth(ViewRay(place, to_lamp / away, away));
+    let depth = optical_depth(ViewRay(ray.origin, ray.dir, point.place.s)) + optical_depth(ViewRay(place, to_lamp / away, away));
     return scattering_at(place, point.deflection) * fall3(depth);
 }
 

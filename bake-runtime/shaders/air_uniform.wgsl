@@ -31,6 +31,6 @@ fn air_value(ray: ViewRay, lamp: Lamp, sigma_t: vec3f, point: PathPoint) -> vec3
 // Where so little light is left that the rest of the ray is dark; `first`: the first lit place. Twin: UniformAir::end.
 fn air_end(ray: ViewRay, sight: Sight, sigma_t: vec3f, first: f32) -> f32 {
     let least = max(min(sigma_t.x, min(sigma_t.y, sigma_t.z)), 1e-12);
-    let passed = select(excess_at(sight, first), 0.0, first == 0.0);
+    let passed = select(excess_at(sight, place_at(sight, first)), 0.0, first == 0.0);
     return min(reach(sight, passed + LIGHT_DEPTH / least), sight.length);
 }

@@ -37,10 +37,10 @@ fn spans_little(sight: Sight, end: f32) -> bool {
 }
 
 fn lamp_airlight_closed(ray: ViewRay, lamp: Lamp) -> vec3f {
-    let sight = sight_of(ray.dir, ray.origin - lamp.position, ray.length, lamp.axis, lamp.radius);
+    let sight = lamp_sight(ray, lamp);
     let sigma_t = air_sigma_t();
     let depth = sigma_t * sight.h;
-    let excess = excess_at(sight, sight.length);
+    let excess = excess_at(sight, place_at(sight, sight.length));
     let va = sight.behind / sight.h;
     let vb = va + excess / sight.h;
     var difference = vec3f(0.0);

@@ -34,7 +34,7 @@ fn lamp_airlight_table(ray: ViewRay, lamp: Lamp) -> vec3f {
     let offset = ray.origin - lamp.position;
     let sight = sight_of(ray.dir, offset, ray.length, lamp.axis, max(lamp.radius, 1e-4 * length(offset)));
     let sigma_t = air_sigma_t();
-    let excess = excess_at(sight, sight.length);
+    let excess = excess_at(sight, place_at(sight, sight.length));
     let va = sight.behind / sight.h;
     let vb = va + excess / sight.h;
     var sum = vec3f(0.0);

@@ -1,14 +1,14 @@
 // Air-light by Gauss-Legendre nodes on each side of the lamp's foot. Twin: bake_optics::airlight::Quadrature.
 // uses: pieces
 
-// Integral over [from_s, to_s], which the foot does not divide.
-fn piece(ray: ViewRay, lamp: Lamp, sight: Sight, sigma_t: vec3f, from_s: f32, to_s: f32) -> vec3f {
-    let panel = panel_of(sight, from_s, to_s);
+// Integral between two places that the foot does not divide.
+fn piece(ray: ViewRay, lamp: Lamp, sight: Sight, sigma_t: vec3f, begin: Place, end: Place) -> vec3f {
+    let panel = panel_of(sight, begin, end);
     var sum = vec3f(0.0);
     for (var i = 0u; i < RULE_COUNT; i++) {
         let node = panel_node(sight, panel, i);
         var weight = node.weight;
-        weight *= emitted(lamp, cos_axis(sight, node.point)); // if LAMP_CONE|LAMP_LEGENDRE
+        weight *= emitted_to(lamp, sight, node.point); // if LAMP_CONE|LAMP_LEGENDRE
         sum += weight * air_value(ray, lamp, sigma_t, node.point);
     }
     return sum;
@@ -17,27 +17,28 @@ fn piece(ray: ViewRay, lamp: Lamp, sight: Sight, sigma_t: vec3f, from_s: f32, to
 // Radiance scattered once from a lamp of unit intensity, from `first` to `last` on the ray; 1/m^2.
 fn airlight_between(ray: ViewRay, lamp: Lamp, sight: Sight, first: f32, last: f32) -> vec3f {
     let sigma_t = air_sigma_t();
-    let end = min(last, air_end(ray, sight, sigma_t, max(first, first_lit(lamp, sight))));
-    var cuts = cuts_of(ray, lamp, sight, end);
-    var from_s = first;
+    let end = place_at(sight, min(last, air_end(ray, sight, sigma_t, max(first, first_lit(lamp, sight)))));
+    var begin = place_at(sight, first);
+    var cuts = cuts_of(ray, lamp, sight, begin, end);
     var sum = vec3f(0.0);
     for (var i = 0u; i <= cuts.count; i++) {
-        var to_s = end;
-        if i < cuts.count { to_s = cuts.at[i]; }
-        if to_s <= from_s {
+        var next = end;
+        if i < cuts.count { next = cuts.at[i]; }
+        if !lies_before(begin, next) {
             continue;
         }
         var lit = true;
-        lit = emitted(lamp, cos_axis(sight, point_at(sight, 0.5 * (from_s + to_s)))) > 0.0; // if LAMP_CONE
+        let middle = Place(0.5 * (begin.s + next.s), 0.5 * (begin.z + next.z)); // if LAMP_CONE
+        lit = emitted_to(lamp, sight, point_at(sight, middle)) > 0.0; // if LAMP_CONE
         if lit {
-            sum += piece(ray, lamp, sight, sigma_t, from_s, to_s);
+            sum += piece(ray, lamp, sight, sigma_t, begin, next);
         }
-        from_s = to_s;
+        begin = next;
     }
     return sum * air_common(sight);
 }
 
 fn lamp_airlight(ray: ViewRay, lamp: Lamp) -> vec3f {
-    let sight = sight_of(ray.dir, ray.origin - lamp.position, ray.length, lamp.axis, lamp.radius);
+    let sight = lamp_sight(ray, lamp);
     return airlight_between(ray, lamp, sight, 0.0, ray.length);
 }

@@ -17,6 +17,11 @@ fn deflection_between(a: vec3f, b: vec3f) -> Deflection {
     return Deflection(0.5 * (plus - minus), minus, plus);
 }
 
+// A place on a ray that passes no lamp.
+fn alone(s: f32) -> Place {
+    return Place(s, s);
+}
+
 // Places on the ray where the way to the sun leaves a box through an edge.
 fn add_edges(cuts: ptr<function, Cuts>, medium: Medium, ray: ViewRay, sun: Sun, end: f32) { // if BOUNDS_BOX
     let up = -sun.direction; // if BOUNDS_BOX
@@ -26,7 +31,7 @@ fn add_edges(cuts: ptr<function, Cuts>, medium: Medium, ray: ViewRay, sun: Sun, 
         let face_i = select(medium.low[i], medium.high[i], up[i] > 0.0) - ray.origin[i]; // if BOUNDS_BOX
         let face_j = select(medium.low[j], medium.high[j], up[j] > 0.0) - ray.origin[j]; // if BOUNDS_BOX
         let slope = ray.dir[i] / up[i] - ray.dir[j] / up[j]; // if BOUNDS_BOX
-        if abs(slope) > 1e-9 { add_cut(cuts, (face_i / up[i] - face_j / up[j]) / slope, end); } // if BOUNDS_BOX
+        if abs(slope) > 1e-9 { add_cut(cuts, alone((face_i / up[i] - face_j / up[j]) / slope), alone(0.0), alone(end)); } // if BOUNDS_BOX
     } // if BOUNDS_BOX
 } // if BOUNDS_BOX
 
@@ -44,15 +49,15 @@ fn sun_between(ray: ViewRay, sun: Sun, first: f32, end: f32) -> vec3f {
     cuts.count = 0u;
     for (var m = 0u; m < MEDIA; m++) {
         let span = clip_bounds(media[m], ray);
-        add_cut(&cuts, span.x, end);
-        add_cut(&cuts, span.y, end);
+        add_cut(&cuts, alone(span.x), alone(0.0), alone(end));
+        add_cut(&cuts, alone(span.y), alone(0.0), alone(end));
         if media[m].bounds == 1u { add_edges(&cuts, media[m], ray, sun, end); } // if BOUNDS_BOX
     }
     var sum = vec3f(0.0);
     var from_s = first;
     for (var k = 0u; k <= cuts.count; k++) {
         var to_s = end;
-        if k < cuts.count { to_s = cuts.at[k]; }
+        if k < cuts.count { to_s = cuts.at[k].s; }
         if to_s <= from_s {
             continue;
         }

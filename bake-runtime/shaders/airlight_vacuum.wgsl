@@ -1,5 +1,5 @@
 // Air that scatters and takes nothing away. Twins: bake_optics::airlight::{Vacuum, macklin}.
-// uses: sight, emitter
+// uses: lamp_sight
 // uses: air_uniform // unless LAYERED
 // uses: air_layered // if LAYERED
 
@@ -20,7 +20,7 @@ fn inverse_square_integral(z: f32, h: f32, length_of_ray: f32) -> f32 {
 
 // Mean of scattering times lamp over the angle seen from the lamp, times the integral. Twin: Vacuum::radiance.
 fn lamp_airlight(ray: ViewRay, lamp: Lamp) -> vec3f {
-    let sight = sight_of(ray.dir, ray.origin - lamp.position, ray.length, lamp.axis, lamp.radius);
+    let sight = lamp_sight(ray, lamp);
     let start = angle_of(sight.h, -sight.z);
     let opening = opening_angle(sight.z, sight.h, sight.length);
     var mean = vec3f(0.0);

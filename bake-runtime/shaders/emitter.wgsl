@@ -1,12 +1,16 @@
 // How lamps spread their light. Twins: bake_optics::emitter.
 // uses: legendre // if LAMP_LEGENDRE
 
+// Square of the share that a cosine has gone from the outer edge to the inner one.
+fn cone_ramp(width: f32, beyond: f32) -> f32 {
+    let step = select(0.0, 1.0, beyond >= 0.0);
+    let ramp = select(step, clamp(beyond / max(width, 1e-12), 0.0, 1.0), width > 0.0);
+    return ramp * ramp;
+}
+
 // Twin: spot_cone.
 fn spot_cone(cos_inner: f32, cos_outer: f32, cosine: f32) -> f32 {
-    let width = cos_inner - cos_outer;
-    let step = select(0.0, 1.0, cosine >= cos_outer);
-    let ramp = select(step, clamp((cosine - cos_outer) / max(width, 1e-12), 0.0, 1.0), width > 0.0);
-    return ramp * ramp;
+    return cone_ramp(cos_inner - cos_outer, cosine - cos_outer);
 }
 
 // Relative intensity towards a cosine from the axis. Twin: Emitter::eval.

@@ -40,7 +40,7 @@ fn lamp_reflected(lamp: Lamp, base: vec3f, exponent: f32, place: vec3f, normal: 
     let to_light = offset / max(length(offset), 1e-20);
     let cosine = max(0.0, dot(normal, to_light));
     var direct = passage(place, to_light, away) * (cosine * emitted(lamp, -dot(lamp.axis, to_light)) / (away * away));
-    direct *= select(0.0, 1.0, lamp_is_lit(lamp, place + normal * shadow_offset(lamp, place))); // if SHADOWS
+    direct *= select(0.0, 1.0, is_lit(maps_of_lamp(lamp), place + normal * shadow_offset(lamp, place))); // if SHADOWS
     var sum = direct * reflected(base, exponent, normal, to_light, to_eye);
     sum += softened_radiance(base, exponent, away, normal, to_light, to_eye); // if SOFTENED
     return sum;
@@ -50,7 +50,7 @@ fn lamp_reflected(lamp: Lamp, base: vec3f, exponent: f32, place: vec3f, normal: 
 fn sun_reflected(sun: Sun, base: vec3f, exponent: f32, place: vec3f, normal: vec3f, to_eye: vec3f) -> vec3f {
     let cosine = max(0.0, -dot(normal, sun.direction));
     var direct = passage(place, -sun.direction, FAR_AWAY) * cosine;
-    direct *= select(0.0, 1.0, sun_is_lit(sun, place + normal * 1e-3)); // if SHADOWS
+    direct *= select(0.0, 1.0, is_lit(maps_of_sun(sun), place + normal * 1e-3)); // if SHADOWS
     return direct * reflected(base, exponent, normal, -sun.direction, to_eye);
 }
 

@@ -3,7 +3,7 @@
 
 struct Panel {
     past: bool,
-    from_s: f32,
+    begin: Place,
     // x = r - z before the foot, y = r + z past it, at the start.
     start: f32,
     excess: f32,
@@ -12,19 +12,20 @@ struct Panel {
 }
 
 // Twin: Panel::new.
-fn panel_of(sight: Sight, from_s: f32, to_s: f32) -> Panel {
-    let za = sight.z + from_s;
-    let zb = sight.z + to_s;
+fn panel_of(sight: Sight, begin: Place, end: Place) -> Panel {
+    let za = begin.z;
+    let zb = end.z;
     let ra = distance_at(za, sight.h);
     let rb = distance_at(zb, sight.h);
-    let excess = select(excess_at(sight, from_s), 0.0, from_s == 0.0);
+    let excess = select(excess_at(sight, begin), 0.0, begin.s == 0.0);
+    let way = way_between(begin, end);
     let slope = (za + zb) / (ra + rb);
     if za + zb <= 0.0 {
         let start = ra - za;
-        return Panel(false, from_s, start, excess, (to_s - from_s) * (1.0 - slope) / start / (rb - zb));
+        return Panel(false, begin, start, excess, way * (1.0 - slope) / start / (rb - zb));
     }
     let start = ra + max(za, 0.0);
-    return Panel(true, from_s, start, excess, log1p((to_s - from_s) * (1.0 + slope) / start));
+    return Panel(true, begin, start, excess, log1p(way * (1.0 + slope) / start));
 }
 
 // How far nodes are drawn towards the foot. Twin: grading.
@@ -49,12 +50,12 @@ fn panel_node(sight: Sight, panel: Panel, i: u32) -> Node {
         let inverse = 1.0 / panel.start + offset;
         let p = h * inverse;
         let grown = h * h * offset;
-        let s = panel.from_s + 0.5 * (grown + panel.start * offset / inverse);
-        return Node(path_point(s, panel.excess + grown, p, false), weight * 2.0 / (1.0 + p * p));
+        let gone = 0.5 * (grown + panel.start * offset / inverse);
+        return Node(path_point(Place(panel.begin.s + gone, panel.begin.z + gone), panel.excess + grown, p, false), weight * 2.0 / (1.0 + p * p));
     }
     let grown = panel.start * expm1(offset);
     let y = panel.start + grown;
     let q = h / y;
-    let s = panel.from_s + 0.5 * grown * (1.0 + q * (h / panel.start));
-    return Node(path_point(s, panel.excess + grown, q, true), weight * 2.0 / (y * (1.0 + q * q)));
+    let gone = 0.5 * grown * (1.0 + q * (h / panel.start));
+    return Node(path_point(Place(panel.begin.s + gone, panel.begin.z + gone), panel.excess + grown, q, true), weight * 2.0 / (y * (1.0 + q * q)));
 }

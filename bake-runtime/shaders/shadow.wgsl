@@ -28,16 +28,27 @@ fn face_of(offset: vec3f) -> u32 {
     return select(5u, 4u, offset.z > 0.0);
 }
 
-fn lamp_is_lit(lamp: Lamp, place: vec3f) -> bool {
-    if lamp.shadow == UNSHADOWED {
-        return true;
-    }
-    let face = select(0u, face_of(place - lamp.position), lamp.shadow_count == 6u);
-    return layer_is_lit(lamp.shadow + face, place);
+// The maps of one light: its first layer, how many (6: a cube's faces about `centre`).
+struct ShadowMaps {
+    centre: vec3f,
+    first: u32,
+    count: u32,
 }
 
-fn sun_is_lit(sun: Sun, place: vec3f) -> bool {
-    return sun.shadow == UNSHADOWED || layer_is_lit(sun.shadow, place);
+fn maps_of_lamp(lamp: Lamp) -> ShadowMaps {
+    return ShadowMaps(lamp.position, lamp.shadow, lamp.shadow_count);
+}
+
+fn maps_of_sun(sun: Sun) -> ShadowMaps {
+    return ShadowMaps(vec3f(0.0), sun.shadow, 1u);
+}
+
+fn is_lit(maps: ShadowMaps, place: vec3f) -> bool {
+    if maps.first == UNSHADOWED {
+        return true;
+    }
+    let face = select(0u, face_of(place - maps.centre), maps.count == 6u);
+    return layer_is_lit(maps.first + face, place);
 }
 
 // How far off the surface a shadow is looked up: about two texels of the map, metres.

@@ -1,5 +1,5 @@
 // Geometry of one view ray and one lamp. Twin: bake_optics::airlight::Sight, whose module derives the formulas.
-// uses: arithmetic, phase
+// uses: arithmetic, phase, twofold
 
 struct Sight {
     // Signed distance of the eye past the lamp's foot on the ray.
@@ -14,13 +14,21 @@ struct Sight {
     // Cosines of the lamp's axis with the ray and with the direction lamp -> foot.
     axis_along: f32,
     axis_across: f32,
-    // Cosine of the lamp's axis with the plane's normal, >= 0.
-    axis_off: f32,
+    // Where the ray crosses the outer and the inner edge of the lamp's cone, past the foot; NOWHERE where it does not.
+    outer: vec2f, // if LAMP_CONE
+    inner: vec2f, // if LAMP_CONE
+}
+
+// A place on the ray: each number has digits where the other has lost them, near the eye and near the lamp.
+struct Place {
+    // Distance from the eye.
+    s: f32,
+    // Signed distance past the lamp's foot.
+    z: f32,
 }
 
 struct PathPoint {
-    // Distance from the eye.
-    s: f32,
+    place: Place,
     // Length of lamp -> point -> eye beyond the direct way.
     excess: f32,
     deflection: Deflection,
@@ -45,7 +53,7 @@ fn sight_of(dir: vec3f, q: vec3f, length_of_ray: f32, axis: vec3f, radius: f32) 
     let across = moment(dir, q);
     let line = length(across);
     sight.h = max(line, max(radius, max(LEAST_SHARE * length(q), 1e-9)));
-    sight.z = dot(dir, q);
+    sight.z = exact_dot(dir, q);
     sight.length = length_of_ray;
     sight.eye_distance = sqrt(sight.z * sight.z + sight.h * sight.h);
     let far = sight.eye_distance + abs(sight.z);
@@ -56,7 +64,6 @@ fn sight_of(dir: vec3f, q: vec3f, length_of_ray: f32, axis: vec3f, radius: f32) 
     let limit = sqrt(max(0.0, (1.0 - sight.axis_along) * (1.0 + sight.axis_along)));
     let foot = dot(cross(across, dir), axis) / max(line, 1e-20);
     sight.axis_across = select(limit, clamp(foot, -limit, limit), line > 0.0);
-    sight.axis_off = abs(dot(across, axis)) / max(line, 1e-20);
     return sight;
 }
 
@@ -70,9 +77,27 @@ fn reach(sight: Sight, excess: f32) -> f32 {
     return 0.5 * excess * (1.0 + sight.ahead / (sight.behind + excess));
 }
 
+fn place_at(sight: Sight, s: f32) -> Place {
+    return Place(s, sight.z + s);
+}
+
+fn place_past_foot(sight: Sight, z: f32) -> Place {
+    return Place(z - sight.z, z);
+}
+
+fn lies_before(a: Place, b: Place) -> bool {
+    return a.z < b.z || (a.z == b.z && a.s < b.s);
+}
+
+// From one place to the next, by the numbers that keep more digits of it.
+fn way_between(a: Place, b: Place) -> f32 {
+    return select(b.z - a.z, b.s - a.s, abs(b.s) <= max(abs(a.z), abs(b.z)));
+}
+
 // Twin: Sight::excess.
-fn excess_at(sight: Sight, s: f32) -> f32 {
-    let z = sight.z + s;
+fn excess_at(sight: Sight, place: Place) -> f32 {
+    let s = place.s;
+    let z = place.z;
     let r = distance_at(z, sight.h);
     let slope = (z + sight.z) / (r + sight.eye_distance);
     if slope >= 0.0 {
@@ -85,7 +110,7 @@ fn excess_at(sight: Sight, s: f32) -> f32 {
 }
 
 // Twin: PathPoint::new. near = h/max(x, y).
-fn path_point(s: f32, excess: f32, near: f32, past: bool) -> PathPoint {
+fn path_point(place: Place, excess: f32, near: f32, past: bool) -> PathPoint {
     let square = near * near;
     let inverse = 1.0 / (1.0 + square);
     let small = 2.0 * square * inverse;
@@ -95,37 +120,16 @@ fn path_point(s: f32, excess: f32, near: f32, past: bool) -> PathPoint {
     if past {
         deflection = Deflection(-cosine, large, small);
     }
-    return PathPoint(s, excess, deflection, 2.0 * near * inverse);
+    return PathPoint(place, excess, deflection, 2.0 * near * inverse);
 }
 
 // Twin: Sight::point.
-fn point_at(sight: Sight, s: f32) -> PathPoint {
-    let z = sight.z + s;
-    let r = distance_at(z, sight.h);
-    return path_point(s, excess_at(sight, s), sight.h / (r + abs(z)), z > 0.0);
+fn point_at(sight: Sight, place: Place) -> PathPoint {
+    let r = distance_at(place.z, sight.h);
+    return path_point(place, excess_at(sight, place), sight.h / (r + abs(place.z)), place.z > 0.0);
 }
 
 // Twin: Sight::cos_axis.
 fn cos_axis(sight: Sight, point: PathPoint) -> f32 {
     return sight.axis_across * point.sin_theta - sight.axis_along * point.deflection.cos_theta;
-}
-
-// Twin: Sight::crossings: distances where cos_axis passes `cosine`, -1 where it does not. a^2 + e^2 - c^2 is formed from the
-// axis' part off the plane, in which grazing rays keep more digits.
-fn crossings(sight: Sight, cosine: f32) -> vec2f {
-    let e = sight.axis_along;
-    let a = sight.axis_across;
-    let sine = sqrt((1.0 - cosine) * (1.0 + cosine));
-    let square = (sine - sight.axis_off) * (sine + sight.axis_off);
-    if square < 0.0 {
-        return vec2f(-1.0);
-    }
-    let root = sqrt(square);
-    let b = select(a - root, a + root, a >= 0.0);
-    let v = vec2f(
-        select(-b / (e - cosine), 0.0, abs(e - cosine) < 1e-9),
-        select((e + cosine) / b, 0.0, abs(b) < 1e-9),
-    );
-    let s = 0.5 * sight.h * (v - 1.0 / max(v, vec2f(1e-12))) - sight.z;
-    return select(vec2f(-1.0), s, v > vec2f(1e-9));
 }

@@ -9,7 +9,7 @@ fn sun_airlight_marched(ray: ViewRay, sun: Sun) -> vec3f {
     for (var i = 0u; i < STEPS; i++) {
         let s = step * (f32(i) + 0.5);
         var light = step;
-        light *= select(0.0, 1.0, sun_is_lit(sun, ray.origin + ray.dir * s)); // if SHADOWS
+        light *= select(0.0, 1.0, is_lit(maps_of_sun(sun), ray.origin + ray.dir * s)); // if SHADOWS
         sum += light * sun_value(ray, sun, deflection, s);
     }
     return sum;

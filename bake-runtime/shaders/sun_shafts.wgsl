@@ -1,8 +1,5 @@
 // Light shafts of a sun: the ray is split into lit intervals by its shadow map, and each is integrated as if it were alone.
-// uses: airlight_sun, shadow
-
-// Bisections of a border between light and shadow.
-const SUN_REFINEMENTS = 6u;
+// uses: airlight_sun, shadow_border
 
 // The part of a ray that a sun's map covers; beyond it all is lit.
 fn mapped_span(ray: ViewRay, sun: Sun) -> vec2f {
@@ -22,17 +19,6 @@ fn mapped_span(ray: ViewRay, sun: Sun) -> vec2f {
     return span;
 }
 
-// Where light changes between `from_s` and `to_s`, whose states differ.
-fn sun_border(ray: ViewRay, sun: Sun, from_s: f32, to_s: f32, from_lit: bool) -> f32 {
-    var low = from_s;
-    var high = to_s;
-    for (var i = 0u; i < SUN_REFINEMENTS; i++) {
-        let middle = 0.5 * (low + high);
-        if sun_is_lit(sun, ray.origin + ray.dir * middle) == from_lit { low = middle; } else { high = middle; }
-    }
-    return 0.5 * (low + high);
-}
-
 fn sun_airlight_shadowed(ray: ViewRay, sun: Sun) -> vec3f {
     if sun.shadow == UNSHADOWED {
         return sun_between(ray, sun, 0.0, ray.length);
@@ -41,6 +27,7 @@ fn sun_airlight_shadowed(ray: ViewRay, sun: Sun) -> vec3f {
     if span.x >= span.y {
         return sun_between(ray, sun, 0.0, ray.length);
     }
+    let maps = maps_of_sun(sun);
     let step = (span.y - span.x) / f32(SHAFT_STEPS);
     var sum = vec3f(0.0);
     var begin = 0.0;
@@ -49,10 +36,10 @@ fn sun_airlight_shadowed(ray: ViewRay, sun: Sun) -> vec3f {
     // The last turn leaves the map for the light behind it.
     for (var i = 0u; i <= SHAFT_STEPS + 1u; i++) {
         let next = min(span.x + step * f32(i), span.y);
-        let next_lit = i > SHAFT_STEPS || sun_is_lit(sun, ray.origin + ray.dir * next);
+        let next_lit = i > SHAFT_STEPS || is_lit(maps, ray.origin + ray.dir * next);
         if next_lit != lit {
             var border = next;
-            if i > 0u && i <= SHAFT_STEPS { border = sun_border(ray, sun, s, next, lit); }
+            if i > 0u && i <= SHAFT_STEPS { border = shadow_border(ray, maps, s, next, lit); }
             if lit { sum += sun_between(ray, sun, begin, border); }
             begin = border;
             lit = next_lit;

@@ -36,6 +36,7 @@ modules![
     "base_texture",
     "caster",
     "coefficients",
+    "cone",
     "density",
     "density_grid",
     "difference",
@@ -47,6 +48,7 @@ modules![
     "hashed_color",
     "hull",
     "inscatter",
+    "lamp_sight",
     "lamps",
     "lattice",
     "lattice_inscatter",
@@ -68,6 +70,7 @@ modules![
     "screen",
     "sh1",
     "shadow",
+    "shadow_border",
     "shafts",
     "sight",
     "sky",
@@ -79,6 +82,8 @@ modules![
     "texel_pattern",
     "texture_map",
     "tone",
+    "twofold",
+    "twofold",
     "view_ray",
 ];
 

@@ -269,6 +269,8 @@ fn a_constant_changed_on_one_side_only_is_found() {
         ("real_harmonic", "0.488602512 * d.z", "0.4887 * d.z"),
         ("scale_of_rank", "0.2 *", "0.201 *"),
         ("spot_cone", "ramp * ramp", "ramp * ramp * 1.00001"),
+        ("quadrature, cone", "(kept(ah * bh) - product)", "0.0 * (kept(ah * bh) - product)"),
+        ("quadrature, cone", "let lead = ", "let lead = 1.0001 * "),
         ("quadrature, isotropic", "weight * 2.0 / (1.0", "weight * 2.001 / (1.0"),
         ("hull", "dot(plane.xyz, ray.origin)", "1.0001 * dot(plane.xyz, ray.origin)"),
         ("grid", "0.28867513459", "0.2887"),
