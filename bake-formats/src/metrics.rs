@@ -14,7 +14,8 @@ pub const FLOOR: f64 = 0.01;
 pub struct Error {
     /// mean(b)/mean(t) − 1; 0 where both are dark, infinite where only the truth is.
     pub bias: f64,
-    /// Root of the mean squared relative error, the truth's own variance subtracted where it is known.
+    /// Root of the mean squared relative error, the truth's own variance subtracted where it is known; infinite where a texel is
+    /// no number.
     pub relative_rmse: f64,
 }
 
@@ -70,7 +71,9 @@ pub fn scalar(bake: &[f64], truth: &[f64], variance: Option<&[f64]>) -> Error {
         let floor = t.max(FLOOR * mean_truth);
         sum += ((b - t).powi(2) - variance.map_or(0.0, |variance| variance[index])) / floor.powi(2);
     }
-    Error { bias, relative_rmse: (sum / count).max(0.0).sqrt() }
+    // What is no number must not pass for no error, which `max` would make of it.
+    let square = if sum.is_nan() { f64::INFINITY } else { (sum / count).max(0.0) };
+    Error { bias, relative_rmse: square.sqrt() }
 }
 
 /// Noise of one bake from two of different seeds: their relative RMSE against their mean, as for one of them.
@@ -93,6 +96,13 @@ mod tests {
 
     fn flat(value: f32) -> Vec<Vec3> {
         vec![Vec3::splat(value); 100]
+    }
+
+    #[test]
+    fn what_is_no_number_is_no_small_error() {
+        for bad in [f64::NAN, f64::INFINITY] {
+            assert_eq!(scalar(&[1.0, bad], &[1.0, 1.0], Some(&[0.0, 0.0])).relative_rmse, f64::INFINITY);
+        }
     }
 
     #[test]

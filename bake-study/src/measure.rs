@@ -22,6 +22,9 @@ use serde::{Deserialize, Serialize};
 /// Standard errors from which a bias is no chance: one false alarm in 16,000 points.
 pub const CERTAIN: f64 = 4.0;
 
+/// What a texel that is no finite number counts as: so many times the reference's mean, so that no such bake looks good.
+const NO_NUMBER: f32 = 1e4;
+
 /// Bakes shorter than this are timed three times, seconds.
 const BRIEF: f64 = 0.5;
 
@@ -165,10 +168,11 @@ impl Errors {
     /// Compares pages of one layout.
     pub fn between(bake: &[Page], truth: &[Page]) -> Self {
         let gather = |pick: &dyn Fn(usize) -> Vec<Vec3>| -> Vec<Vec3> { (0..truth.len()).flat_map(pick).collect() };
-        let (b, t) = (gather(&|i| bake[i].total.clone()), gather(&|i| truth[i].total.clone()));
-        let (var_b, var_t) = (gather(&|i| bake[i].variance.clone()), gather(&|i| truth[i].variance.clone()));
+        let (mut b, t) = (gather(&|i| bake[i].total.clone()), gather(&|i| truth[i].total.clone()));
+        let (mut var_b, var_t) = (gather(&|i| bake[i].variance.clone()), gather(&|i| truth[i].variance.clone()));
         let valid: Vec<bool> =
             bake.iter().zip(truth).flat_map(|(b, t)| b.valid.iter().zip(&t.valid).map(|(b, t)| *b && *t)).collect();
+        refuse_no_numbers(&mut b, &mut var_b, &t, &valid);
         let error = metrics::compare(&b, &t, &valid, Some(&var_t)).luminance;
         let at: Vec<usize> = (0..valid.len()).filter(|&i| valid[i]).collect();
         let levels: Vec<f64> = at.iter().map(|&i| luminance(t[i])).collect();
@@ -202,9 +206,37 @@ impl Errors {
     }
 }
 
+/// Gives texels that are no finite numbers [`NO_NUMBER`] times the reference's mean, and no variance that could excuse it.
+fn refuse_no_numbers(bake: &mut [Vec3], variance: &mut [Vec3], truth: &[Vec3], valid: &[bool]) {
+    let levels = truth.iter().zip(valid).filter(|(t, valid)| **valid && t.is_finite()).map(|(t, _)| t.max_element());
+    let (sum, count) = levels.fold((0.0, 0.0f32), |(sum, count), level| (sum + level, count + 1.0));
+    let refused = Vec3::splat(NO_NUMBER * (sum / count.max(1.0)).max(f32::MIN_POSITIVE));
+    for (b, variance) in bake.iter_mut().zip(variance) {
+        if !b.is_finite() {
+            (*b, *variance) = (refused, Vec3::ZERO);
+        } else if !variance.is_finite() {
+            *variance = Vec3::ZERO;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_texel_that_is_no_number_cannot_look_good() {
+        let truth = [page(|_| 10.0, 0.1)];
+        for bad in [f32::NAN, f32::INFINITY] {
+            let errors = Errors::between(&[page(|i| if i == 7 { bad } else { 10.0 }, 0.1)], &truth);
+            assert!(errors.is_biased() && errors.bias > 5.0 && errors.rmse > 100.0, "{errors:?}");
+            assert!(errors.floor > errors.least_floor && errors.noise.is_finite(), "{errors:?}");
+        }
+        let mut unsure = page(|_| 10.0, 0.1);
+        unsure.variance[3] = Vec3::splat(f32::NAN);
+        let errors = Errors::between(&[unsure], &truth);
+        assert!(errors.noise.is_finite() && errors.rmse < 0.1 && !errors.is_biased(), "{errors:?}");
+    }
 
     fn page(level: impl Fn(usize) -> f32, deviation: f32) -> Page {
         let total = (0..1000).map(|i| Vec3::splat(level(i))).collect();

@@ -19,6 +19,9 @@ figure img{image-rendering:pixelated;width:190px;background:#000}details{margin:
 @media (prefers-color-scheme:dark){:root{--bad:#ff7b6b}body{background:#181818;color:#ddd}}\
 @media print{body{max-width:none;background:#fff;color:#000}section{break-inside:avoid}figure{break-inside:avoid}}";
 
+/// Error of the tables by size.
+const RECORDED: &str = include_str!("../../docs/tables.csv");
+
 /// The whole page.
 pub fn page(summary: &Summary, groups: &[Group], store: &Store) -> String {
     frame(
@@ -100,11 +103,31 @@ fn section(group: &Group, store: &Store) -> Markup {
             p { (text) }
             (plot(group, store).svg())
             (named(group, store))
+            @if group.kind == Kind::Tables { (bands()) }
         }
         details {
             summary { "All numbers and pictures" }
             (table(group, store))
             @for series in &group.series { (pictures(series, store)) }
+        }
+    }
+}
+
+/// What the degrees beyond those that a bake reads would gain, as it is recorded.
+fn bands() -> Markup {
+    // Layout, distances, bands, precision, bytes, error, nanoseconds.
+    let lines = RECORDED.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let shipped = lines.filter(|line| line[..2] == ["harmonic", "256"] && line[3] == "f16");
+    html! {
+        p {
+            "Bakes read degrees below 11, of areas and lamps 14 harmonics up to l = 8. The tables alone, an area's irradiance over all receivers, "
+            "RMS, as recorded in " code { "docs/tables.csv" } " by " code { "cargo run --release -p tables --example cost" } ":"
+        }
+        table {
+            tr { th.n { "bands" } th.n { "bytes" } th.n { "error" } }
+            @for line in shipped {
+                tr { td.n { (line[2]) } td.n { (line[4]) } td.n { (percent(line[5].parse().unwrap_or(f64::NAN))) } }
+            }
         }
     }
 }

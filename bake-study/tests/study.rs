@@ -160,4 +160,6 @@ fn assert_page(folder: &Path, groups: usize) {
     assert_eq!(page.matches("<svg").count(), groups);
     assert!(!page.contains("src=\"http") && !page.contains("href=\"http") && !page.contains("NaN"));
     assert!(page.contains("data:image/png;base64,") && page.contains("5 %"));
+    // A scene with fog also shows what 15 bands would gain.
+    assert_eq!(page.contains(">15</td>"), groups == 7);
 }
