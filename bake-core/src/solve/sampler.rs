@@ -4,11 +4,27 @@
 //! asks the same question of every dimension whatever happened before it. Source of the sequence: Burley 2020,
 //! "Practical Hash-based Owen Scrambling" (crate `sobol_burley`).
 
+use sobol_burley::parts;
+use std::sync::LazyLock;
+
 /// Sets that the sequence holds before seeds are changed.
 const SETS: u32 = 64;
+/// Bits of an index that the sequence reads, four at a time.
+const NIBBLES: usize = 4;
 
 /// Most samples of one sequence.
 pub const MAX_SAMPLES: u32 = 1 << 16;
+
+/// Four dimensions of the sequence for each nibble of the index, by set: the sequence is linear over bits, so that four
+/// entries stand for up to sixteen direction numbers.
+static PARTS: LazyLock<Vec<[[[u32; 4]; 16]; NIBBLES]>> = LazyLock::new(|| {
+    let of = |set: u32, nibble: usize, value: usize| {
+        let index = (value as u32) << (28 - 4 * nibble);
+        std::array::from_fn(|i| parts::sobol_rev(index, 4 * set + i as u32))
+    };
+    let of_set = |set| std::array::from_fn(|nibble| std::array::from_fn(|value| of(set, nibble, value)));
+    (0..SETS).map(of_set).collect()
+});
 
 /// One sample of one sequence.
 #[derive(Debug, Clone, Copy)]
@@ -16,29 +32,43 @@ pub struct Sampler {
     sample: u32,
     seed: u32,
     set: u32,
+    /// The sample's place in the sequence as the seed shuffles it, bits reversed.
+    shuffled: u32,
 }
 
 impl Sampler {
     /// Sample number `sample` (below [`MAX_SAMPLES`]) of the sequence `seed`.
     pub fn new(sample: u32, seed: u32) -> Self {
         debug_assert!(sample < MAX_SAMPLES);
-        Self { sample, seed, set: 0 }
+        let shuffled = parts::owen_scramble_rev(sample.reverse_bits(), parts::hash(seed ^ 0x79c6_8e4a));
+        Self { sample, seed, set: 0, shuffled }
     }
 
     /// The next four numbers in [0, 1).
     #[inline]
     pub fn next4(&mut self) -> [f32; 4] {
-        let seed = if self.set < SETS { self.seed } else { hash(self.seed, self.set / SETS) };
-        let numbers = sobol_burley::sample_4d(self.sample, self.set % SETS, seed);
+        let set = self.set;
         self.set += 1;
-        numbers
+        if set < SETS {
+            return self.of_set(set);
+        }
+        Self::new(self.sample, hash(self.seed, set / SETS)).of_set(set % SETS)
     }
-}
 
-impl Sampler {
     /// The same sample of an independent sequence.
     pub fn fork(&self) -> Self {
-        Self { seed: hash(self.seed, 0x61_6972), set: 0, ..*self }
+        Self::new(self.sample, hash(self.seed, 0x61_6972))
+    }
+
+    /// What `sobol_burley::sample_4d` gives, with the shuffled index and the sums of direction numbers at hand.
+    #[inline]
+    fn of_set(&self, set: u32) -> [f32; 4] {
+        let table = &PARTS[set as usize];
+        let part = |nibble: usize| parts::Int4::from(table[nibble][(self.shuffled >> (28 - 4 * nibble)) as usize & 15]);
+        let sobol = part(0) ^ part(1) ^ part(2) ^ part(3);
+        let seed = self.seed.wrapping_mul(0x9c8f_2d3b) ^ set;
+        let scramble = [0x912f_69ba, 0x174f_18ab, 0x691e_72ca, 0xb40c_c1b8].map(|word: u32| word ^ seed);
+        parts::owen_scramble_int4_rev(sobol, parts::hash_int4(scramble.into())).reverse_bits().to_f32_norm()
     }
 }
 
@@ -57,6 +87,17 @@ pub fn hash(a: u32, b: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_those_of_the_crate() {
+        for (sample, seed) in (0..200).map(|i| (i * 327 % MAX_SAMPLES, hash(i, 5))) {
+            let mut sampler = Sampler::new(sample, seed);
+            for set in 0..2 * SETS {
+                let seed = if set < SETS { seed } else { hash(seed, 1) };
+                assert_eq!(sampler.next4(), sobol_burley::sample_4d(sample, set % SETS, seed), "{sample}, set {set}");
+            }
+        }
+    }
 
     #[test]
     fn every_set_is_stratified_and_seeds_differ() {

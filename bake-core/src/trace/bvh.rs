@@ -19,7 +19,8 @@ const FAR_GROWTH: f32 = 1.0 + 2.0 * (3.0 * 5.960_464_5e-8);
 const BOX_GROWTH: f32 = 1.0 / (1u32 << 21) as f32;
 /// Directions smaller than this are taken as this, with their sign: 1/x stays finite.
 const TINY: f32 = 1e-30;
-/// Waiting children of usual trees: three a level and the one being opened. Deeper trees take the long way.
+/// Waiting children of shallow and of usual trees: three a level and the one being opened. Deeper trees take the long way.
+const SHALLOW_STACK: usize = 40;
 const STACK: usize = 96;
 const DEEP_STACK: usize = 2048;
 
@@ -81,10 +82,13 @@ pub struct BoxRay {
 
 impl BoxRay {
     /// Prepares a ray.
+    #[inline]
     pub fn new(origin: Vec3, dir: Vec3) -> Self {
-        let inverse = dir.to_array().map(|d| 1.0 / if d.abs() < TINY { TINY.copysign(d) } else { d });
-        let near = std::array::from_fn(|axis| if inverse[axis] < 0.0 { axis + 3 } else { axis });
-        Self { origin: origin.to_array().map(f32x4::splat), inverse: inverse.map(f32x4::splat), near }
+        let over = |d: f32| 1.0 / if d.abs() < TINY { TINY.copysign(d) } else { d };
+        let inverse = Vec3::new(over(dir.x), over(dir.y), over(dir.z));
+        let near = |axis: usize| if inverse[axis] < 0.0 { axis + 3 } else { axis };
+        let splat = |v: Vec3| [f32x4::splat(v.x), f32x4::splat(v.y), f32x4::splat(v.z)];
+        Self { origin: splat(origin), inverse: splat(inverse), near: [near(0), near(1), near(2)] }
     }
 }
 
@@ -111,7 +115,9 @@ impl Bvh {
     /// order and the current reach, and returns the new reach (a negative one ends the walk).
     #[inline(always)]
     pub fn traverse(&self, ray: &BoxRay, t_max: f32, leaf: impl FnMut(Range<usize>, f32) -> f32) {
-        if 3 * self.levels < STACK {
+        if 3 * self.levels < SHALLOW_STACK {
+            self.walk::<SHALLOW_STACK>(ray, t_max, leaf);
+        } else if 3 * self.levels < STACK {
             self.walk::<STACK>(ray, t_max, leaf);
         } else {
             self.walk::<DEEP_STACK>(ray, t_max, leaf);

@@ -6,12 +6,14 @@
 
 pub mod brute_force;
 pub mod bvh;
+pub mod facet;
 pub mod offset;
 pub mod passage;
 pub mod triangle;
 
 use crate::scene::{AlphaMode, Scene};
 use bvh::{Bounds, BoxRay, Bvh, GAP};
+use facet::{Facet, Facets};
 use glam::{Affine3A, Vec2, Vec3};
 use offset::UncertainPoint;
 use passage::{Passage, is_cut_away};
@@ -84,6 +86,7 @@ pub struct Tracer<'s> {
     placed: Vec<Placed>,
     top: Bvh,
     object_from_world: Vec<Affine3A>,
+    facets: Facets,
 }
 
 impl<'s> Tracer<'s> {
@@ -106,7 +109,8 @@ impl<'s> Tracer<'s> {
         let boxes: Vec<Bounds> = placed.iter().map(|p| world_bounds(scene, p.instance)).collect();
         let top = Bvh::build(&boxes, 1);
         let world = Blas::of_single_use(scene, &uses);
-        Self { scene, world, shared, placed, top, object_from_world }
+        let facets = Facets::new(scene);
+        Self { scene, world, shared, placed, top, object_from_world, facets }
     }
 
     /// The scene that was given.
@@ -159,11 +163,9 @@ impl<'s> Tracer<'s> {
     /// Where barycentric weights of a triangle lie in the world.
     #[inline]
     pub fn place(&self, instance: u32, triangle: u32, barycentric: Vec2) -> Place {
+        let Facet { vertices, normal, margin } = self.facets.of(self.scene, instance, triangle);
         let placement = &self.scene.instances[instance as usize];
-        let vertices = world_triangle(self.scene, instance, triangle);
-        let winding = if placement.is_mirrored() { -1.0 } else { 1.0 };
-        let normal = (vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]).normalize_or(Vec3::Y) * winding;
-        let point = UncertainPoint::on_triangle(&vertices, barycentric.x, barycentric.y)
+        let point = UncertainPoint::within(&vertices, margin, barycentric.x, barycentric.y)
             .through(&placement.world_from_object, &self.object_from_world[instance as usize]);
         Place { point, normal_geom: normal }
     }
@@ -173,7 +175,8 @@ impl<'s> Tracer<'s> {
     pub fn shading_normal(&self, instance: u32, triangle: u32, barycentric: Vec2, normal_geom: Vec3) -> Vec3 {
         let placement = &self.scene.instances[instance as usize];
         let mesh = &self.scene.meshes[placement.mesh as usize];
-        let [a, b, c] = mesh.triangles[triangle as usize].map(|v| mesh.normals[v as usize]);
+        let [a, b, c] = mesh.triangles[triangle as usize];
+        let (a, b, c) = (mesh.normals[a as usize], mesh.normals[b as usize], mesh.normals[c as usize]);
         let Vec2 { x: u, y: v } = barycentric;
         let local = a * (1.0 - u - v) + b * u + c * v;
         let inverse = &self.object_from_world[instance as usize].matrix3;
@@ -290,7 +293,9 @@ impl TriangleId {
 pub fn world_triangle(scene: &Scene, instance: u32, triangle: u32) -> [Vec3; 3] {
     let placement = &scene.instances[instance as usize];
     let mesh = &scene.meshes[placement.mesh as usize];
-    mesh.triangles[triangle as usize].map(|v| placement.world_from_object.transform_point3(mesh.positions[v as usize]))
+    let at = |v: u32| placement.world_from_object.transform_point3(mesh.positions[v as usize]);
+    let [a, b, c] = mesh.triangles[triangle as usize];
+    [at(a), at(b), at(c)]
 }
 
 fn world_bounds(scene: &Scene, instance: u32) -> Bounds {

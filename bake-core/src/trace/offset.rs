@@ -3,7 +3,7 @@
 //! The bound on the rounding error of a point follows Pharr, Jakob and Humphreys, "Physically Based Rendering",
 //! 3rd edition, 3.9: γₙ = nε/(1 − nε) times the magnitudes that went into it.
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 
 /// Largest weight that a point is moved away from an edge, for triangles no larger than their coordinates' error.
 const MOST_MARGIN: f32 = 0.1;
@@ -12,6 +12,14 @@ const MOST_MARGIN: f32 = 0.1;
 const fn gamma(n: f32) -> f32 {
     let epsilon = 0.5 * f32::EPSILON;
     n * epsilon / (1.0 - n * epsilon)
+}
+
+/// Weight that a point of a triangle keeps of every vertex, so that it lies as far inside as its position is uncertain.
+pub fn edge_margin(vertices: &[Vec3; 3]) -> f32 {
+    let size = vertices.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
+    let (e1, e2) = (vertices[1] - vertices[0], vertices[2] - vertices[0]);
+    let smallest_height = e1.cross(e2).length() / (e1.length() + e2.length());
+    (4.0 * gamma(7.0) * size / smallest_height).min(MOST_MARGIN)
 }
 
 /// A point with a bound on its absolute rounding error per coordinate.
@@ -27,23 +35,25 @@ impl UncertainPoint {
     /// A point of a triangle in world space, by its barycentric weights. Points within their error of an edge are moved
     /// inwards by it: a point on the edge where two walls meet must not come to lie in, or behind, the other wall.
     pub fn on_triangle(vertices: &[Vec3; 3], u: f32, v: f32) -> Self {
-        let size = vertices.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
-        let (e1, e2) = (vertices[1] - vertices[0], vertices[2] - vertices[0]);
-        let smallest_height = e1.cross(e2).length() / (e1.length() + e2.length());
-        let margin = (4.0 * gamma(7.0) * size / smallest_height).min(MOST_MARGIN);
-        let weights = [1.0 - u - v, u, v].map(|w| w.max(margin));
-        let scale = 1.0 / weights.iter().sum::<f32>();
-        let weights = weights.map(|w| w * scale);
-        let sum = |f: fn(Vec3) -> Vec3| (0..3).map(|i| f(vertices[i]) * weights[i].abs()).sum::<Vec3>();
-        let position = (0..3).map(|i| vertices[i] * weights[i]).sum();
-        Self { position, error: gamma(7.0) * sum(Vec3::abs) }
+        Self::within(vertices, edge_margin(vertices), u, v)
+    }
+
+    /// The same with [`edge_margin`] at hand.
+    #[inline]
+    pub fn within(&[a, b, c]: &[Vec3; 3], margin: f32, u: f32, v: f32) -> Self {
+        let (wa, wb, wc) = ((1.0 - u - v).max(margin), u.max(margin), v.max(margin));
+        let scale = 1.0 / (wa + wb + wc);
+        let (wa, wb, wc) = (wa * scale, wb * scale, wc * scale);
+        let error = a.abs() * wa.abs() + b.abs() * wb.abs() + c.abs() * wc.abs();
+        Self { position: a * wa + b * wb + c * wc, error: gamma(7.0) * error }
     }
 
     /// Adds what placing the triangle, and taking a ray into its object's space and back, can round away.
+    #[inline]
     pub fn through(mut self, world_from_object: &Affine3A, object_from_world: &Affine3A) -> Self {
-        let there = magnitude(object_from_world, self.position);
-        let back = world_from_object.matrix3.abs_columns() * there;
-        self.error += gamma(5.0) * (back + Vec3::from(world_from_object.translation).abs());
+        let there = magnitude(object_from_world, self.position.into());
+        let back = absolute(world_from_object) * there;
+        self.error += gamma(5.0) * Vec3::from(back + world_from_object.translation.abs());
         self
     }
 
@@ -66,18 +76,15 @@ impl UncertainPoint {
 }
 
 /// Sum of the magnitudes that a transform adds up for each coordinate of a point.
-fn magnitude(transform: &Affine3A, point: Vec3) -> Vec3 {
-    transform.matrix3.abs_columns() * point.abs() + Vec3::from(transform.translation).abs()
+#[inline]
+fn magnitude(transform: &Affine3A, point: Vec3A) -> Vec3A {
+    absolute(transform) * point.abs() + transform.translation.abs()
 }
 
-trait AbsColumns {
-    fn abs_columns(&self) -> glam::Mat3;
-}
-
-impl AbsColumns for glam::Mat3A {
-    fn abs_columns(&self) -> glam::Mat3 {
-        glam::Mat3::from_cols(self.x_axis.abs().into(), self.y_axis.abs().into(), self.z_axis.abs().into())
-    }
+#[inline]
+fn absolute(transform: &Affine3A) -> Mat3A {
+    let matrix = &transform.matrix3;
+    Mat3A::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs())
 }
 
 #[cfg(test)]

@@ -55,6 +55,7 @@ pub struct TriangleHit {
 
 impl Shear {
     /// Prepares a ray. The direction need not be unit, but not zero.
+    #[inline]
     pub fn new(origin: Vec3, dir: Vec3) -> Self {
         let size = dir.abs();
         let z = if size.x > size.y && size.x > size.z {
@@ -69,7 +70,7 @@ impl Shear {
             std::mem::swap(&mut x, &mut y); // keeps the winding
         }
         let splat = |axis: usize| f32x4::splat(origin[axis]);
-        let shear = [dir[x] / dir[z], dir[y] / dir[z], 1.0 / dir[z]].map(f32x4::splat);
+        let shear = [f32x4::splat(dir[x] / dir[z]), f32x4::splat(dir[y] / dir[z]), f32x4::splat(1.0 / dir[z])];
         Self { origin: [splat(x), splat(y), splat(z)], axes: [x, y, z], shear }
     }
 
@@ -84,7 +85,8 @@ impl Shear {
     /// Calls `found` for every lane hit with 0 < t ≤ `t_max`, from either side; degenerate triangles are never hit.
     #[inline(always)]
     pub fn intersect(&self, pack: &Pack, t_max: f32, mut found: impl FnMut(usize, TriangleHit)) {
-        let [a, b, c] = [0, 1, 2].map(|i| self.place(&pack.vertices[i]));
+        let [a, b, c] = &pack.vertices;
+        let (a, b, c) = (self.place(a), self.place(b), self.place(c));
         let mut u = c[0] * b[1] - c[1] * b[0];
         let mut v = a[0] * c[1] - a[1] * c[0];
         let mut w = b[0] * a[1] - b[1] * a[0];

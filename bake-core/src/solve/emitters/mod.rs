@@ -82,7 +82,7 @@ pub enum Source<'s> {
 #[derive(Debug, Clone, Copy)]
 enum Finite {
     Light(u32),
-    Triangle { instance: u32, triangle: u32, area: f32, two_sided: bool },
+    Triangle { instance: u32, triangle: u32, vertices: [Vec3; 3], area: f32, two_sided: bool },
 }
 
 /// All emitters of a scene.
@@ -201,7 +201,7 @@ impl<'s> Emitters<'s> {
     pub fn source(&self, tracer: &Tracer, index: u32, u: f32, v: f32) -> Source<'s> {
         match self.finite[index as usize] {
             Finite::Light(index) => Source::Lamp { light: &self.scene.lights[index as usize], index },
-            Finite::Triangle { instance, triangle, area, two_sided } => {
+            Finite::Triangle { instance, triangle, area, two_sided, .. } => {
                 let barycentric = warp::triangle(u, v);
                 let place = tracer.place(instance, triangle, barycentric);
                 let radiance = Surface::at(self.scene, instance, triangle, barycentric).emission;
@@ -250,7 +250,7 @@ impl<'s> Emitters<'s> {
     /// zero, would have drawn the surface that a ray from `point` with unit direction `dir` has hit at `distance`.
     pub fn finite_pdf(&self, point: Vec3, normal: Vec3, dir: Vec3, distance: f32, hit: &Hit, place: &Place) -> f32 {
         let Some(&index) = self.triangles.get(&(hit.instance, hit.triangle)) else { return 0.0 };
-        let Finite::Triangle { area, .. } = self.finite[index as usize] else { return 0.0 };
+        let Finite::Triangle { area, vertices, .. } = self.finite[index as usize] else { return 0.0 };
         let cos = dir.dot(place.normal_geom).abs();
         if cos <= 0.0 {
             return 0.0;
@@ -260,7 +260,7 @@ impl<'s> Emitters<'s> {
         } else {
             self.tree.probability(index, point, normal)
         };
-        match SphericalTriangle::new(point, crate::trace::world_triangle(self.scene, hit.instance, hit.triangle)) {
+        match SphericalTriangle::new(point, vertices) {
             Some(triangle) => probability / triangle.solid_angle as f32,
             None => probability * distance * distance / (area * cos),
         }
@@ -278,8 +278,7 @@ impl<'s> Emitters<'s> {
                 let (target, irradiance) = punctual::sample(&self.scene.lights[light as usize], point, u[1], u[2])?;
                 Some(LightSample { target: Target::Point(target), irradiance: irradiance / probability, pdf: None })
             }
-            Finite::Triangle { instance, triangle, area, two_sided } => {
-                let vertices = crate::trace::world_triangle(self.scene, instance, triangle);
+            Finite::Triangle { instance, triangle, vertices, area, two_sided } => {
                 let near = SphericalTriangle::new(point, vertices);
                 let barycentric = match &near {
                     Some(near) => near.sample(u[1], u[2])?,
@@ -344,7 +343,7 @@ fn glowing_triangles(tracer: &Tracer, instance: u32) -> Vec<(u32, (Finite, Light
             continue;
         }
         for triangle in primitive.triangles.clone() {
-            let [a, b, c] = crate::trace::world_triangle(scene, instance, triangle);
+            let vertices @ [a, b, c] = crate::trace::world_triangle(scene, instance, triangle);
             let area = 0.5 * (b - a).cross(c - a).length();
             let intensity = area * mean_emission(scene, instance, triangle);
             if intensity <= 0.0 {
@@ -359,10 +358,8 @@ fn glowing_triangles(tracer: &Tracer, instance: u32) -> Vec<(u32, (Finite, Light
                 intensity,
                 two_sided: material.double_sided,
             };
-            glowing.push((
-                triangle,
-                (Finite::Triangle { instance, triangle, area, two_sided: material.double_sided }, bounds),
-            ));
+            let two_sided = material.double_sided;
+            glowing.push((triangle, (Finite::Triangle { instance, triangle, vertices, area, two_sided }, bounds)));
         }
     }
     glowing

@@ -15,6 +15,8 @@ pub struct SphericalTriangle {
     vertices: [DVec3; 3],
     /// Unit vectors towards the vertices.
     towards: [DVec3; 3],
+    /// Their triple product's magnitude.
+    volume: f64,
     /// Solid angle, sr.
     pub solid_angle: f64,
 }
@@ -23,17 +25,26 @@ impl SphericalTriangle {
     /// The triangle as seen from `origin`, where that is worth while.
     pub fn new(origin: Vec3, vertices: [Vec3; 3]) -> Option<Self> {
         let (origin, vertices) = (origin.as_dvec3(), vertices.map(Vec3::as_dvec3));
-        let towards = vertices.map(|v| (v - origin).normalize_or_zero());
-        let [a, b, c] = towards;
-        let solid_angle = 2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
-        WORTHWHILE.contains(&solid_angle).then_some(Self { origin, vertices, towards, solid_angle })
+        let [a, b, c] = vertices;
+        let (a, b, c) =
+            ((a - origin).normalize_or_zero(), (b - origin).normalize_or_zero(), (c - origin).normalize_or_zero());
+        let volume = a.dot(b.cross(c)).abs();
+        let solid_angle = 2.0 * volume.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+        let towards = [a, b, c];
+        WORTHWHILE.contains(&solid_angle).then_some(Self { origin, vertices, towards, volume, solid_angle })
     }
 
     /// Weights of the second and third vertex of the point met in a direction drawn uniformly.
     pub fn sample(&self, u: f32, v: f32) -> Option<Vec2> {
         let [a, b, c] = self.towards;
-        let (across_ab, across_ca) = (a.cross(b).try_normalize()?, c.cross(a).try_normalize()?);
-        let (cos_alpha, sin_alpha) = (-across_ab.dot(across_ca), across_ab.cross(across_ca).length());
+        // The angle at a is that between the normals of the planes of ab and ca: (a × b) × (c × a) = a (a · b × c).
+        let (across_ab, across_ca) = (a.cross(b), c.cross(a));
+        let (sin2_ab, sin2_ca) = (across_ab.length_squared(), across_ca.length_squared());
+        let over_sines = 1.0 / (sin2_ab * sin2_ca).sqrt();
+        if !over_sines.is_finite() {
+            return None;
+        }
+        let (cos_alpha, sin_alpha) = (-across_ab.dot(across_ca) * over_sines, self.volume * over_sines);
         // The part of the area left of the arc from b through the drawn point on ac; π more, as the angles' sum has it.
         let (sin_s, cos_s) = (PI + f64::from(u) * self.solid_angle).sin_cos();
         let sin_phi = sin_s * cos_alpha - cos_s * sin_alpha;
@@ -52,8 +63,8 @@ impl SphericalTriangle {
         let [a, b, c] = self.vertices;
         let (ab, ac, from_a) = (b - a, c - a, self.origin - a);
         let p = dir.cross(ac);
-        let determinant = ab.dot(p);
-        let (second, third) = (from_a.dot(p) / determinant, dir.dot(from_a.cross(ab)) / determinant);
+        let over_determinant = 1.0 / ab.dot(p);
+        let (second, third) = (from_a.dot(p) * over_determinant, dir.dot(from_a.cross(ab)) * over_determinant);
         if !(second.is_finite() && third.is_finite()) {
             return None;
         }

@@ -24,9 +24,23 @@ pub struct LightBounds {
     pub two_sided: bool,
 }
 
+/// [`LightBounds`] as draws ask them.
+#[derive(Debug, Clone, Copy)]
+struct Group {
+    centre: Vec3,
+    /// Of the ball around the box, squared.
+    radius2: f32,
+    axis: Vec3,
+    cos_spread: f32,
+    sin_spread: f32,
+    cos_emission: f32,
+    intensity: f32,
+    two_sided: bool,
+}
+
 #[derive(Debug, Clone, Copy)]
 struct Node {
-    bounds: LightBounds,
+    group: Group,
     parent: u32,
     /// Left child is the next node; a leaf holds [`LEAF`] here.
     right: u32,
@@ -82,7 +96,9 @@ impl LightTree {
             }
             u = u.min(1.0 - f32::EPSILON);
         }
-        (self.nodes[at].bounds.importance(point, normal) > 0.0).then(|| (self.nodes[at].emitter, probability))
+        // Below the root only children of some importance are taken.
+        let is_lit = at > 0 || self.nodes[0].group.importance(point, normal) > 0.0;
+        is_lit.then(|| (self.nodes[at].emitter, probability))
     }
 
     /// Draws an emitter for the air along the segment from `a` to `b`; returns it with its probability.
@@ -96,7 +112,7 @@ impl LightTree {
         let (mut at, mut probability) = (0, 1.0);
         while self.nodes[at].right != LEAF {
             let right = self.nodes[at].right as usize;
-            let importance = [at + 1, right].map(|child| self.nodes[child].bounds.importance_along(a, b));
+            let importance = [at + 1, right].map(|child| self.nodes[child].group.importance_along(a, b));
             let left = importance[0] / (importance[0] + importance[1]);
             let (share, next) = if u < left { (left, at + 1) } else { (1.0 - left, right) };
             u = if u < left { u / left } else { (u - left) / (1.0 - left) }.min(1.0 - f32::EPSILON);
@@ -109,7 +125,7 @@ impl LightTree {
     /// The probability with which [`Self::sample`] draws an emitter.
     pub fn probability(&self, emitter: u32, point: Vec3, normal: Vec3) -> f32 {
         let mut at = self.leaf_of[emitter as usize];
-        if at == LEAF || self.nodes[at as usize].bounds.importance(point, normal) <= 0.0 {
+        if at == LEAF || (at == 0 && self.nodes[0].group.importance(point, normal) <= 0.0) {
             return 0.0;
         }
         let mut probability = 1.0;
@@ -124,8 +140,8 @@ impl LightTree {
 
     /// Share of the left child; `None` when neither can light the point.
     fn left_share(&self, at: usize, point: Vec3, normal: Vec3) -> Option<f32> {
-        let left = self.nodes[at + 1].bounds.importance(point, normal);
-        let right = self.nodes[self.nodes[at].right as usize].bounds.importance(point, normal);
+        let left = self.nodes[at + 1].group.importance(point, normal);
+        let right = self.nodes[self.nodes[at].right as usize].group.importance(point, normal);
         (left + right > 0.0).then(|| left / (left + right))
     }
 
@@ -134,10 +150,10 @@ impl LightTree {
         let bounds = LightBounds::union_of(items.iter().map(|&i| emitters[i as usize]));
         if let [emitter] = *items {
             self.leaf_of[emitter as usize] = index as u32;
-            self.nodes.push(Node { bounds, parent, right: LEAF, emitter });
+            self.nodes.push(Node { group: Group::new(&bounds), parent, right: LEAF, emitter });
             return;
         }
-        self.nodes.push(Node { bounds, parent, right: 0, emitter: 0 });
+        self.nodes.push(Node { group: Group::new(&bounds), parent, right: 0, emitter: 0 });
         let middle = split(emitters, items, &bounds, depth);
         let (left, right) = items.split_at_mut(middle);
         self.grow(emitters, left, index as u32, depth + 1);
@@ -220,44 +236,6 @@ impl LightBounds {
         }
     }
 
-    /// Upper estimate of what the group sends to a point: intensity × cosine bounds / distance². Zero only where the
-    /// whole group lies below the receiver's horizon or turns away from it.
-    fn importance(&self, point: Vec3, normal: Vec3) -> f32 {
-        let away = point - self.centre();
-        let radius2 = 0.25 * (self.max - self.min).length_squared();
-        let distance2 = away.length_squared();
-        let to_point = away.normalize_or(if normal == Vec3::ZERO { self.axis } else { normal });
-        let sin2_bound = if distance2 > radius2 { radius2 / distance2 } else { 1.0 };
-        let cos_bound = if distance2 > radius2 { (1.0 - sin2_bound).sqrt() } else { -1.0 };
-        let sin_bound = if cos_bound < 0.0 { 0.0 } else { sin2_bound.sqrt() };
-
-        let cos_axis = self.axis.dot(to_point);
-        let cos_axis = if self.two_sided { cos_axis.abs() } else { cos_axis };
-        let sin_spread = sine(self.cos_spread);
-        let cos_beyond = cos_difference(sine(cos_axis), cos_axis, sin_spread, self.cos_spread);
-        let cos_emitted = cos_difference(sine(cos_beyond), cos_beyond, sin_bound, cos_bound);
-        if cos_emitted <= self.cos_emission {
-            return 0.0;
-        }
-        if normal == Vec3::ZERO {
-            return self.intensity * cos_emitted.max(0.05) / distance2.max(radius2).max(1e-12);
-        }
-        let cos_receiver = -normal.dot(to_point);
-        let cos_received = cos_difference(sine(cos_receiver), cos_receiver, sin_bound, cos_bound);
-        if cos_received <= 0.0 {
-            return 0.0;
-        }
-        self.intensity * cos_emitted.max(0.05) * cos_received / distance2.max(radius2).max(1e-12)
-    }
-
-    fn importance_along(&self, a: Vec3, b: Vec3) -> f32 {
-        let (centre, way) = (self.centre(), b - a);
-        let length2 = way.length_squared();
-        let share = if length2 > 0.0 { ((centre - a).dot(way) / length2).clamp(0.0, 1.0) } else { 0.0 };
-        let distance = centre.distance(a + share * way).max(0.5 * (self.max - self.min).length());
-        self.intensity / distance.max(1e-3)
-    }
-
     /// Surface-area orientation heuristic.
     fn cost(&self) -> f32 {
         let spread = self.cos_spread.clamp(-1.0, 1.0).acos();
@@ -270,13 +248,63 @@ impl LightBounds {
     }
 }
 
+impl Group {
+    fn new(bounds: &LightBounds) -> Self {
+        let LightBounds { min, max, axis, cos_spread, cos_emission, intensity, two_sided } = *bounds;
+        let (centre, radius2) = (bounds.centre(), 0.25 * (max - min).length_squared());
+        Self { centre, radius2, axis, cos_spread, sin_spread: sine(cos_spread), cos_emission, intensity, two_sided }
+    }
+
+    /// Upper estimate of what the group sends to a point: intensity × cosine bounds / distance². Zero only where the
+    /// whole group lies below the receiver's horizon or turns away from it.
+    #[inline]
+    fn importance(&self, point: Vec3, normal: Vec3) -> f32 {
+        let away = point - self.centre;
+        let distance2 = away.length_squared();
+        let to_point = away.normalize_or(if normal == Vec3::ZERO { self.axis } else { normal });
+        let (sin_bound, cos_bound) = if distance2 > self.radius2 {
+            let sin2 = self.radius2 / distance2;
+            (sin2.sqrt(), (1.0 - sin2).sqrt())
+        } else {
+            (0.0, -1.0)
+        };
+        let cos_axis = self.axis.dot(to_point);
+        let cos_axis = if self.two_sided { cos_axis.abs() } else { cos_axis };
+        let cos_beyond = cos_difference(cos_axis, self.sin_spread, self.cos_spread);
+        let cos_emitted = cos_difference(cos_beyond, sin_bound, cos_bound);
+        if cos_emitted <= self.cos_emission {
+            return 0.0;
+        }
+        let strength = self.intensity * cos_emitted.max(0.05) / distance2.max(self.radius2).max(1e-12);
+        if normal == Vec3::ZERO {
+            return strength;
+        }
+        strength * cos_difference(-normal.dot(to_point), sin_bound, cos_bound).max(0.0)
+    }
+
+    fn importance_along(&self, a: Vec3, b: Vec3) -> f32 {
+        let way = b - a;
+        let length2 = way.length_squared();
+        let share = if length2 > 0.0 { ((self.centre - a).dot(way) / length2).clamp(0.0, 1.0) } else { 0.0 };
+        let distance = self.centre.distance(a + share * way).max(self.radius2.sqrt());
+        self.intensity / distance.max(1e-3)
+    }
+}
+
 fn sine(cos: f32) -> f32 {
     (1.0 - cos * cos).max(0.0).sqrt()
 }
 
 /// cos(max(0, a − b)).
-fn cos_difference(sin_a: f32, cos_a: f32, sin_b: f32, cos_b: f32) -> f32 {
-    if cos_a > cos_b { 1.0 } else { cos_a * cos_b + sin_a * sin_b }
+#[inline]
+fn cos_difference(cos_a: f32, sin_b: f32, cos_b: f32) -> f32 {
+    if cos_a > cos_b {
+        1.0
+    } else if sin_b == 0.0 {
+        cos_a * cos_b
+    } else {
+        cos_a * cos_b + sine(cos_a) * sin_b
+    }
 }
 
 /// The smallest cone around two cones.
