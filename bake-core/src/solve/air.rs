@@ -9,7 +9,7 @@ use super::emitters::{LightSample, Strategy, Target, punctual};
 use super::media::{Flight, InScattered, Leg, Media};
 use super::path::{Arrival, Counters, LastLeg, Paths, Vertex, power_heuristic};
 use super::sampler::Sampler;
-use super::warp;
+use super::{LUMINANCE, warp};
 use crate::scene::Light;
 use crate::trace::Ray;
 use glam::Vec3;
@@ -51,6 +51,37 @@ pub(super) struct Collision {
     pub crossing: f32,
 }
 
+/// Collisions that a path's first leg may look at.
+pub(super) const MOST_LOOKS: usize = 4;
+/// Share of draws that go to any of them.
+const EVENLY: f32 = 0.2;
+
+/// A collision at which emitters may be drawn.
+#[derive(Clone, Copy, Default)]
+struct Look {
+    point: Vec3,
+    throughput: Vec3,
+    /// Roughly the luminance that it brings.
+    level: f32,
+}
+
+impl Look {
+    /// One of them, by level, with its probability; none where nothing collides.
+    fn pick(looks: &[Self], mut u: f32) -> Option<(&Self, f32)> {
+        let (total, evenly): (f32, f32) = (looks.iter().map(|look| look.level).sum(), 1.0 / looks.len() as f32);
+        let share = |look: &Self| {
+            let by_level = if total > 0.0 { look.level / total } else { evenly };
+            EVENLY * evenly + (1.0 - EVENLY) * by_level
+        };
+        let taken = looks.iter().find(|look| {
+            u -= share(look);
+            u < 0.0
+        });
+        let taken = taken.or(looks.last())?;
+        (taken.throughput != Vec3::ZERO).then(|| (taken, share(taken)))
+    }
+}
+
 impl<M: Media> Paths<'_, '_, M> {
     /// Takes a path over one leg of air; what passes to the leg's end is weakened in `arrival`.
     pub(super) fn cross_air(
@@ -72,7 +103,11 @@ impl<M: Media> Paths<'_, '_, M> {
             radiance[step.last_leg.of_collision()] += step.throughput * lit;
         }
         if M::CACHED {
-            self.look_up(step, &leg, arrival, radiance, (numbers, air), counters);
+            if step.is_first {
+                self.look_along(step, &leg, arrival, radiance, (numbers, air), counters);
+            } else {
+                self.look_up(step, &leg, arrival, radiance, numbers);
+            }
             arrival.weaken(self.media.transmittance(&leg));
             return Onward::Through;
         }
@@ -117,9 +152,20 @@ impl<M: Media> Paths<'_, '_, M> {
         })
     }
 
-    /// In-scattered radiance from one collision on the leg, from the cache. On a path's first leg emitters are drawn there:
-    /// what the cache knows of them is blurred, which only another reflection hides.
-    fn look_up(
+    /// In-scattered radiance from one collision on the leg, from the cache.
+    fn look_up(&self, step: &Step, leg: &Leg, arrival: &Arrival, radiance: &mut [Vec3; 4], numbers: [f32; 4]) {
+        let Some((distance, weight)) = self.media.collide(leg, step.throughput, [numbers[0], numbers[1]]) else {
+            return;
+        };
+        let throughput = step.throughput * weight * arrival.passed_before(distance);
+        let scattered = self.media.cached_whole(leg.at(distance), step.dir, numbers[2]);
+        radiance[step.last_leg.of_collision()] += throughput * scattered;
+    }
+
+    /// The same for a path's first leg, from several collisions. Emitters are drawn at one of them: what the cache knows of
+    /// them is blurred, which only another reflection hides, but it tells where they matter (resampled importance sampling,
+    /// Talbot, Cline and Egbert 2005, with strata for candidates and a share for each of them).
+    fn look_along(
         &self,
         step: &Step,
         leg: &Leg,
@@ -128,20 +174,25 @@ impl<M: Media> Paths<'_, '_, M> {
         (numbers, air): ([f32; 4], &mut Sampler),
         counters: &Counters,
     ) {
-        let Some((distance, weight)) = self.media.collide(leg, step.throughput, [numbers[0], numbers[1]]) else {
-            return;
-        };
-        let throughput = step.throughput * weight * arrival.passed_before(distance);
-        let point = leg.at(distance);
-        let InScattered { straight, reflected, collided } = self.media.cached(point, step.dir, numbers[2]);
-        let straight = if step.is_first {
-            self.draw_in_air(point, step.dir, air.next4(), counters).unwrap_or_default()
-        } else {
-            straight
-        };
-        radiance[step.last_leg.of_collision()] += throughput * (straight + reflected);
-        if self.media.scatters_again(1) {
-            radiance[step.last_leg.of_collisions()] += throughput * collided;
+        let mut looks = [Look::default(); MOST_LOOKS];
+        let count = self.media.looks(leg).min(MOST_LOOKS);
+        let (looks, strata) = (&mut looks[..count], count as f32);
+        for (index, look) in looks.iter_mut().enumerate() {
+            let u = (index as f32 + numbers[1]) / strata;
+            let Some((distance, weight)) = self.media.collide(leg, step.throughput, [numbers[0], u]) else { continue };
+            let throughput = step.throughput * weight * arrival.passed_before(distance) / strata;
+            let point = leg.at(distance);
+            let corner = (numbers[2] + index as f32 * 0.618_034).fract();
+            let InScattered { reflected, collided, drawn } = self.media.cached(point, step.dir, corner);
+            radiance[step.last_leg.of_collision()] += throughput * reflected;
+            if self.media.scatters_again(1) {
+                radiance[step.last_leg.of_collisions()] += throughput * collided;
+            }
+            *look = Look { point, throughput, level: drawn * throughput.dot(LUMINANCE) };
+        }
+        let Some((look, probability)) = Look::pick(looks, numbers[3]) else { return };
+        if let Some(straight) = self.draw_in_air(look.point, step.dir, air.next4(), counters) {
+            radiance[step.last_leg.of_collision()] += look.throughput * straight / probability;
         }
     }
 
@@ -303,5 +354,31 @@ impl LitPoint {
         // Density of the distance is offset / (aperture · (offset² + along²)).
         let irradiance = irradiance * (offset * offset + along * along);
         (irradiance != Vec3::ZERO).then_some(Self { distance, target, irradiance, aperture: to - from, offset })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn looks_are_picked_as_often_as_told_and_none_is_left_out() {
+        let look = |level: f32| Look { point: Vec3::splat(level), throughput: Vec3::ONE, level };
+        for levels in [[0.0, 1.0, 3.0, 0.5], [0.0; 4], [2.0; 4]] {
+            let (looks, n) = (levels.map(look), 10_000);
+            let picked = |i: u32| Look::pick(&looks, (i as f32 + 0.5) / n as f32).expect("all collide");
+            for one in &looks {
+                let draws = (0..n).map(picked).filter(|(taken, _)| std::ptr::eq(*taken, one));
+                let (count, sum) = draws.fold((0u32, 0.0), |(count, sum), (_, p)| (count + 1, sum + 1.0 / p));
+                assert!(count as f32 >= 0.99 * EVENLY / 4.0 * n as f32, "level {}: {count} draws", one.level);
+                assert!(
+                    (sum / n as f32 - 1.0).abs() < 2e-3,
+                    "level {}: a mean of 1/p of {}",
+                    one.level,
+                    sum / n as f32
+                );
+            }
+        }
+        assert!(Look::pick(&[Look::default(); 4], 0.3).is_none(), "nothing collides");
     }
 }

@@ -6,18 +6,21 @@
 //! ([`super::sphere`]), then by many paths that look the first fill up (final gathering). Nothing is iterated; the errors are
 //! noise and blur, which brightens what is dark beside what is bright.
 //!
-//! Emitters are sharp where the rest is smooth. The first leg of a path draws them where it needs them; later legs take
-//! them from the nodes.
+//! Emitters are sharp where the rest is smooth. The first leg of a path draws them, where the nodes say that they matter;
+//! later legs take them from the nodes.
 //!
-//! Between nodes one corner of the cell is drawn in proportion to its trilinear weight. In cells with geometry a corner
-//! counts only where it is seen from the point, so that light does not pass walls thinner than a cell. The noise of nodes
-//! is the same for all texels that look them up and is not part of a texel's variance.
+//! Between nodes isotropic air blends all corners of a cell by trilinear weight; other air, which needs all harmonics, draws
+//! one in proportion to it. In cells with geometry one is drawn in any case, and a corner counts only where it is seen from
+//! the point, so that light does not pass walls thinner than a cell. The noise of nodes is the same for all texels that look
+//! them up and is not part of a texel's variance.
 
 mod emitted;
 #[cfg(test)]
 mod tests;
 
 use self::emitted::Emitted;
+use super::LUMINANCE;
+use super::air::MOST_LOOKS;
 pub use super::grid_size::*;
 use super::media::{Deflected, Flight, Fog, InScattered, Leg, Media};
 use super::path::{Counters, Paths};
@@ -27,6 +30,7 @@ use crate::progress::{Interrupted, Progress};
 use crate::trace::{Ray, Tracer};
 use bake_formats::Term;
 use bake_optics::medium::MediumSet;
+use bake_optics::phase::Phase;
 use glam::{DVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
@@ -66,6 +70,8 @@ struct Node {
     reflected: Sh9,
     /// Collided before.
     collided: Sh9,
+    /// Order 0 of light straight from emitters other than lamps.
+    drawn: Vec3,
 }
 
 impl LightGrid {
@@ -161,14 +167,14 @@ impl LightGrid {
         let mean = |term: Term| around.terms[term as usize].map(|sum| sum / f32::max(weights, f32::MIN_POSITIVE));
         let [reflected, single, multiple] = [Term::Indirect, Term::Single, Term::Multiple].map(mean);
         let collided = std::array::from_fn(|i| emitted.scattered[i] + single[i] + multiple[i]);
-        Node { straight: emitted.straight, reflected, collided }
+        Node { straight: emitted.straight, reflected, collided, drawn: emitted.drawn }
     }
 
     /// A point that may look a node up, drawn by trilinear weight, and the weight that it has beside others of this node:
     /// more where other corners of its cell are not seen, 0 where this one is not. `u` in [0,1)³.
     fn around(&self, tracer: &Tracer, at: UVec3, u: Vec3) -> (Vec3, f32) {
         let tent = |u: f32| if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() };
-        let (node, offset) = (at.as_vec3(), Vec3::from_array(u.to_array().map(tent)));
+        let (node, offset) = (at.as_vec3(), Vec3::new(tent(u.x), tent(u.y), tent(u.z)));
         let outside = (node + offset).cmplt(Vec3::ZERO) | (node + offset).cmpgt((self.size - 1).as_vec3());
         let point = self.min + (node + Vec3::select(outside, -offset, offset)) * self.spacing;
         let cell = self.cell(point);
@@ -226,15 +232,16 @@ impl LightGrid {
             && (0..8).all(|a| (0..a).all(|b| sees(tracer, self.position(corners[a]), self.position(corners[b]))))
     }
 
+    #[inline]
     fn cell(&self, point: Vec3) -> Cell {
         let local = ((point - self.min) / self.spacing).clamp(Vec3::ZERO, (self.size - 1).as_vec3());
         let lowest = local.as_uvec3().min(self.size - 2);
         let share = local - lowest.as_vec3();
-        let weights = std::array::from_fn(|corner| {
-            let along = |axis: usize| if corner >> axis & 1 == 1 { share[axis] } else { 1.0 - share[axis] };
-            // A corner may be all that is seen from its opposite.
-            (along(0) * along(1) * along(2)).max(1e-6)
-        });
+        let rest = 1.0 - share;
+        let across = [rest.x * rest.y, share.x * rest.y, rest.x * share.y, share.x * share.y];
+        // A corner may be all that is seen from its opposite.
+        let weight = |corner: usize| (across[corner & 3] * if corner < 4 { rest.z } else { share.z }).max(1e-6);
+        let weights = [weight(0), weight(1), weight(2), weight(3), weight(4), weight(5), weight(6), weight(7)];
         Cell { lowest, weights }
     }
 
@@ -243,9 +250,26 @@ impl LightGrid {
     }
 
     /// A node near the point: a corner of its cell, or else the nearest that it sees.
-    fn pick(&self, tracer: &Tracer, point: Vec3, u: f32) -> Option<&Node> {
-        let corner = self.draw_corner(tracer, point, u);
-        corner.map_or_else(|| self.nearest_seen(tracer, point), |index| Some(&self.nodes[index]))
+    fn pick(&self, tracer: &Tracer, point: Vec3, u: f32) -> Option<usize> {
+        self.draw_corner(tracer, point, u).or_else(|| self.nearest_seen(tracer, point))
+    }
+
+    /// What the nodes around a point hold, by trilinear weight where it sees all of them, else of one drawn by it.
+    fn blend<const N: usize>(&self, tracer: &Tracer, point: Vec3, u: f32, held: &[[f32; N]]) -> [f32; N] {
+        let Cell { lowest, weights } = self.cell(point);
+        let first = self.index(lowest);
+        if !self.clear[first] {
+            return self.pick(tracer, point, u).map_or([0.0; N], |node| held[node]);
+        }
+        let (row, layer) = (self.size.x as usize, (self.size.x * self.size.y) as usize);
+        let mut sum = [0.0; N];
+        for (corner, weight) in weights.into_iter().enumerate() {
+            let node = &held[first + (corner & 1) + (corner >> 1 & 1) * row + (corner >> 2) * layer];
+            for (sum, held) in sum.iter_mut().zip(node) {
+                *sum += weight * held;
+            }
+        }
+        sum
     }
 
     /// A corner of the point's cell, drawn in proportion to trilinear weights among those that the point sees.
@@ -272,14 +296,14 @@ impl LightGrid {
     }
 
     /// The nearest node that the point sees, of the cells around its own.
-    fn nearest_seen(&self, tracer: &Tracer, point: Vec3) -> Option<&Node> {
+    fn nearest_seen(&self, tracer: &Tracer, point: Vec3) -> Option<usize> {
         let first = self.cell(point).lowest.saturating_sub(UVec3::ONE);
         let around =
             (0..64).map(|i| first + UVec3::new(i % 4, i / 4 % 4, i / 16)).filter(|at| at.cmplt(self.size).all());
         let mut free: Vec<UVec3> = around.filter(|&at| self.free[self.index(at)]).collect();
         let distance = |at: &UVec3| self.position(*at).distance_squared(point);
         free.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-        free.iter().find(|&&at| sees(tracer, point, self.position(at))).map(|&at| &self.nodes[self.index(at)])
+        free.iter().find(|&&at| sees(tracer, point, self.position(at))).map(|&at| self.index(at))
     }
 }
 
@@ -293,14 +317,59 @@ pub struct Lit<'a, 's> {
     pub tracer: &'a Tracer<'s>,
     /// Legendre moments l ≤ 2 of each medium's phase function.
     moments: Vec<[f32; 3]>,
+    /// Where all media are isotropic.
+    even: Option<Even>,
+}
+
+/// What isotropic air scatters of the light at the nodes for each unit of `sigma_s`.
+struct Even {
+    /// Luminance straight from emitters other than lamps, then from surfaces, then collided before.
+    parts: Vec<[f32; 8]>,
+    /// All kinds of light together.
+    whole: Vec<[f32; 4]>,
+}
+
+impl Even {
+    /// `again`: whether light that collided before counts.
+    fn new(nodes: &[Node], again: bool) -> Self {
+        // Y_00, which is all that the addition theorem leaves.
+        let y = harmonics(Vec3::Z)[0];
+        let parts = |node: &Node| {
+            let ([a, b, c], [d, e, f]) = ((node.reflected[0] * y).to_array(), (node.collided[0] * y).to_array());
+            [y * node.drawn.dot(LUMINANCE), a, b, c, d, e, f, 0.0]
+        };
+        let whole = |node: &Node| {
+            let collided = if again { node.collided[0] } else { Vec3::ZERO };
+            (y * (node.straight[0] + node.reflected[0] + collided)).extend(0.0).to_array()
+        };
+        Self { parts: nodes.iter().map(parts).collect(), whole: nodes.iter().map(whole).collect() }
+    }
 }
 
 impl<'a, 's> Lit<'a, 's> {
     /// Fog with its light.
     pub fn new(fog: Fog<'a>, grid: &'a LightGrid, tracer: &'a Tracer<'s>) -> Self {
         let moments = |phase: &bake_optics::phase::Phase<f64>| std::array::from_fn(|l| phase.moment(l) as f32);
-        let moments = fog.set.media.iter().map(|medium| moments(&medium.phase)).collect();
-        Self { fog, grid, tracer, moments }
+        let moments: Vec<_> = fog.set.media.iter().map(|medium| moments(&medium.phase)).collect();
+        let is_isotropic = fog.set.media.iter().all(|medium| matches!(medium.phase, Phase::Isotropic));
+        let even = is_isotropic.then(|| Even::new(&grid.nodes, fog.scatters_again(1)));
+        Self { fog, grid, tracer, moments, even }
+    }
+
+    /// Σ over media of `sigma_s` Σ_l g_l Σ_m L_lm Y_lm(dir), g_l the phase function's Legendre moments (addition theorem), for
+    /// each kind of light.
+    fn scattered<const N: usize>(&self, point: Vec3, dir: Vec3, light: [&Sh9; N]) -> [Vec3; N] {
+        let y = harmonics(dir);
+        let band = |light: &Sh9, range: std::ops::Range<usize>| range.map(|i| light[i] * y[i]).sum::<Vec3>();
+        let bands = light.map(|light| [band(light, 0..1), band(light, 1..4), band(light, 4..9)]);
+        let mut sum = [Vec3::ZERO; N];
+        for (medium, g) in self.fog.set.media.iter().zip(&self.moments) {
+            let sigma_s = (DVec3::from(medium.scatter.sigma_s) * medium.density_at(point.as_dvec3())).as_vec3();
+            for (sum, [b0, b1, b2]) in sum.iter_mut().zip(bands) {
+                *sum += sigma_s * (b0 * g[0] + b1 * g[1] + b2 * g[2]);
+            }
+        }
+        sum
     }
 }
 
@@ -340,25 +409,43 @@ impl Media for Lit<'_, '_> {
         self.fog.deflect_pdf(point, dir, to)
     }
 
-    /// Σ over media of `sigma_s` Σ_l g_l Σ_m L_lm Y_lm(dir), g_l the phase function's Legendre moments (addition theorem).
-    ///
-    /// Light of the first kind may come out negative in some directions where forward scattering is strong; its integral
-    /// over directions, all that the next reflection knows, is right.
     fn cached(&self, point: Vec3, dir: Vec3, u: f32) -> InScattered {
-        let Some(node) = self.grid.pick(self.tracer, point, u) else { return InScattered::default() };
-        let y = harmonics(dir);
-        let band = |light: &Sh9, range: std::ops::Range<usize>| range.map(|i| light[i] * y[i]).sum::<Vec3>();
-        let bands = |light| [band(light, 0..1), band(light, 1..4), band(light, 4..9)];
-        let [straight, reflected, collided] = [&node.straight, &node.reflected, &node.collided].map(bands);
-        let mut sum = InScattered::default();
-        for (medium, g) in self.fog.set.media.iter().zip(&self.moments) {
-            let sigma_s = (DVec3::from(medium.scatter.sigma_s) * medium.density_at(point.as_dvec3())).as_vec3();
-            let scattered = |[b0, b1, b2]: [Vec3; 3]| sigma_s * (b0 * g[0] + b1 * g[1] + b2 * g[2]);
-            sum.straight += scattered(straight);
-            sum.reflected += scattered(reflected).max(Vec3::ZERO);
-            sum.collided += scattered(collided).max(Vec3::ZERO);
+        if let Some(even) = &self.even {
+            let [drawn, a, b, c, d, e, f, _] = self.grid.blend(self.tracer, point, u, &even.parts);
+            let sigma_s = self.fog.sigma_s(point);
+            return InScattered {
+                reflected: sigma_s * Vec3::new(a, b, c),
+                collided: sigma_s * Vec3::new(d, e, f),
+                drawn: drawn * sigma_s.dot(LUMINANCE),
+            };
         }
-        sum
+        let Some(node) = self.grid.pick(self.tracer, point, u) else { return InScattered::default() };
+        let node = &self.grid.nodes[node];
+        let scattered = self.scattered(point, dir, [&node.reflected, &node.collided]);
+        let [reflected, collided] = scattered.map(|light| light.max(Vec3::ZERO));
+        InScattered { reflected, collided, drawn: (self.fog.sigma_s(point) * node.drawn).dot(LUMINANCE) }
+    }
+
+    /// As many as collide in the air, where finding one is cheap.
+    fn looks(&self, leg: &Leg) -> usize {
+        let Some(uniform) = &self.fog.uniform else { return 1 };
+        let passed = uniform.stretch(leg).map_or(Vec3::ONE, |(near, far)| uniform.passed(far - near));
+        (((1.0 - passed.min_element()) * MOST_LOOKS as f32).ceil() as usize).max(1)
+    }
+
+    /// Straight light may come out negative in some directions where forward scattering is strong; its integral over
+    /// directions, all that the next reflection knows, is right.
+    fn cached_whole(&self, point: Vec3, dir: Vec3, u: f32) -> Vec3 {
+        if let Some(even) = &self.even {
+            let [r, g, b, _] = self.grid.blend(self.tracer, point, u, &even.whole);
+            return self.fog.sigma_s(point) * Vec3::new(r, g, b);
+        }
+        let Some(node) = self.grid.pick(self.tracer, point, u) else { return Vec3::ZERO };
+        let node = &self.grid.nodes[node];
+        let [straight, reflected, collided] =
+            self.scattered(point, dir, [&node.straight, &node.reflected, &node.collided]);
+        let collided = if self.scatters_again(1) { collided.max(Vec3::ZERO) } else { Vec3::ZERO };
+        straight + reflected.max(Vec3::ZERO) + collided
     }
 }
 

@@ -35,9 +35,8 @@ impl Incident {
     /// Adds radiance from `dir` to a term.
     pub(super) fn add(&mut self, term: usize, dir: Vec3, radiance: Vec3) {
         if radiance != Vec3::ZERO {
-            let y = harmonics(dir);
-            for i in 0..9 {
-                self.terms[term][i] += radiance * y[i];
+            for (sum, y) in self.terms[term].iter_mut().zip(harmonics(dir)) {
+                *sum += radiance * y;
             }
         }
     }
@@ -45,8 +44,8 @@ impl Incident {
     /// Adds another's coefficients, times `scale`.
     pub fn add_scaled(&mut self, other: &Self, scale: f32) {
         for (sums, values) in self.terms.iter_mut().zip(&other.terms) {
-            for i in 0..9 {
-                sums[i] += values[i] * scale;
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += *value * scale;
             }
         }
     }

@@ -45,6 +45,8 @@ pub(super) struct Emitted {
     pub straight: Sh9,
     /// Of lamps, scattered once; other emitters' is found by paths.
     pub scattered: Sh9,
+    /// Order 0 of what is straight and not of lamps.
+    pub drawn: Vec3,
 }
 
 impl LightGrid {
@@ -68,7 +70,7 @@ impl LightGrid {
             }
             let counters = Counters::default();
             let (air, straight) = self.drawn(paths, index, samples, hash(hash(seed, 1), index), &counters);
-            let mut light = Emitted { straight, ..Emitted::default() };
+            let mut light = Emitted { straight, drawn: straight[0], ..Emitted::default() };
             if let Some(beam) = beams.get(index as usize).filter(|_| air > 0.0) {
                 light.add_scaled(beam, 1.0 / air);
             }
@@ -101,8 +103,9 @@ impl LightGrid {
             }
             weights += weight;
             if let Some((irradiance, dir)) = paths.emitter_at(point, &mut sampler, counters) {
-                let pairs = light.iter_mut().zip(harmonics(dir));
-                pairs.for_each(|(sum, y)| *sum += irradiance * (weight * y));
+                for (sum, y) in light.iter_mut().zip(harmonics(dir)) {
+                    *sum += irradiance * (weight * y);
+                }
             }
         }
         let light = light.map(|sum| sum / f32::max(weights, f32::MIN_POSITIVE));

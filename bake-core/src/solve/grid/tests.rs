@@ -113,3 +113,39 @@ fn the_air_of_a_room_holds_all_light_of_its_lamp() {
         assert!((own / want[0] - 1.0).abs() > 0.03, "{name}: light at the nodes' places would do: {own}");
     }
 }
+
+#[test]
+fn isotropic_air_knows_the_mean_of_what_corners_would_tell() {
+    let mut scene = room(point_light(Vec3::new(0.9, 1.1, 1.3), 100.0));
+    scene.materials = vec![matte(0.5)];
+    let (tracer, emitters) = (Tracer::new(&scene), Emitters::new(&Tracer::new(&scene)));
+    let bounds = Bounds::Box { min: DVec3::ZERO, max: DVec3::splat(SIDE.into()) };
+    let scatter = Scatter { sigma_s: [0.5, 0.2, 0.1], sigma_a: [0.0; 3] };
+    let set = MediumSet { media: vec![Medium { bounds, scatter, ..Medium::default() }] };
+    let fog = Fog::new(&set);
+    let paths = Paths { tracer: &tracer, emitters: &emitters, media: &fog, bounces: u32::MAX, sh1: false };
+    let settings = GridSettings { cells: 4, samples: 16 };
+    let grid = LightGrid::solve(&paths, settings, 3, &mut [0; 3], &Silent).expect("nobody interrupts");
+    let (lit, corners) = (Lit::new(fog.clone(), &grid, &tracer), Lit { even: None, ..Lit::new(fog, &grid, &tracer) });
+    assert!(lit.even.is_some());
+    // A sum over 4096 corners misses each one's weight by at most 1/4096.
+    let (mut worst, mut one) = (Worst::new("blended against drawn corners", 4e-3), 0.0f64);
+    for dir in directions(32) {
+        let (dir, n) = (dir.as_vec3(), 4096u32);
+        let point = Vec3::splat(0.5 * SIDE) + 0.4 * SIDE * dir;
+        let u = |i: u32| (i as f32 + 0.5) / n as f32;
+        let mean = |of: &dyn Fn(f32) -> Vec3| (0..n).map(|i| of(u(i))).sum::<Vec3>() / n as f32;
+        let mut compare = |got: Vec3, want: Vec3| {
+            worst.record(f64::from(((got - want) / want).abs().max_element()), || format!("at {point}"));
+        };
+        let whole = lit.cached_whole(point, dir, 0.0);
+        compare(whole, mean(&|u| corners.cached_whole(point, dir, u)));
+        let InScattered { reflected, collided, drawn } = lit.cached(point, dir, 0.0);
+        compare(reflected, mean(&|u| corners.cached(point, dir, u).reflected));
+        compare(collided, mean(&|u| corners.cached(point, dir, u).collided));
+        assert_eq!(drawn, 0.0, "lamps are not drawn in the air");
+        one = one.max(f64::from((corners.cached_whole(point, dir, 0.5) / whole - 1.0).abs().max_element()));
+    }
+    worst.check();
+    assert!(one > 0.05, "a single corner would do: {one}");
+}

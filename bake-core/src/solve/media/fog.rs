@@ -15,7 +15,7 @@ pub struct Fog<'a> {
     pub(in crate::solve) scatters: bool,
     most_collisions: u32,
     /// The set in its simplest form, where it has that.
-    pub(super) uniform: Option<UniformBox>,
+    pub(in crate::solve) uniform: Option<UniformBox>,
 }
 
 impl<'a> Fog<'a> {
@@ -36,6 +36,15 @@ impl<'a> Fog<'a> {
             return uniform.stretch(leg).map_or(Vec3::ZERO, |(near, far)| uniform.sigma_t * (far - near));
         }
         DVec3::from(self.set.optical_depth(&leg.ray())).as_vec3()
+    }
+
+    /// Scattering at a point, 1/m.
+    pub(in crate::solve) fn sigma_s(&self, point: Vec3) -> Vec3 {
+        match &self.uniform {
+            Some(uniform) if uniform.contains(point) => uniform.sigma_s,
+            Some(_) => Vec3::ZERO,
+            None => DVec3::from(self.set.sigma_s(point.as_dvec3())).as_vec3(),
+        }
     }
 
     /// Extinction times transmittance at `distance`, and that transmittance.

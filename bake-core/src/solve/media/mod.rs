@@ -91,21 +91,31 @@ pub trait Media: Sync {
     /// Density per solid angle with which [`Media::deflect`] draws `to`.
     fn deflect_pdf(&self, point: Vec3, dir: Vec3, to: Vec3) -> f32;
 
-    /// In-scattered radiance against `dir`. `u` picks among what is near.
+    /// In-scattered radiance against `dir`, for a path's first leg. `u` picks among what is near.
     fn cached(&self, _point: Vec3, _dir: Vec3, _u: f32) -> InScattered {
         InScattered::default()
+    }
+
+    /// Collisions that it pays to look at on a path's first leg, at least 1.
+    fn looks(&self, _leg: &Leg) -> usize {
+        1
+    }
+
+    /// The same as one, straight light of emitters and all, cd/m³: for later legs.
+    fn cached_whole(&self, _point: Vec3, _dir: Vec3, _u: f32) -> Vec3 {
+        Vec3::ZERO
     }
 }
 
 /// In-scattered radiance per metre, cd/m³, by what the light did before.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct InScattered {
-    /// It came straight from emitters.
-    pub straight: Vec3,
     /// It came straight from surfaces.
     pub reflected: Vec3,
     /// It collided before.
     pub collided: Vec3,
+    /// Roughly what came straight from emitters other than lamps: tells where drawing them is worth while.
+    pub drawn: f32,
 }
 
 /// No air.

@@ -65,6 +65,12 @@ impl UniformBox {
     /// A collision on the leg, see [`super::Media::collide`].
     pub fn collide(&self, leg: &Leg, lead: usize, shares: Vec3, u: f32) -> Option<(f32, Vec3)> {
         let (near, far) = self.stretch(leg)?;
+        if self.is_grey {
+            let (sigma, length) = (self.sigma_t.x, far - near);
+            let collided = -(-sigma * length).exp_m1();
+            let inside = (-(-u * collided).ln_1p() / sigma).min(length);
+            return (collided > 0.0).then(|| (near + inside, Vec3::splat(collided / sigma)));
+        }
         let collided = (self.sigma_t * (near - far)).to_array().map(|minus_depth| -minus_depth.exp_m1());
         if collided[lead] <= 0.0 {
             return None;
