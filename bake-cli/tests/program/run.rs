@@ -89,6 +89,29 @@ fn same_bits_whatever_the_thread_count() {
     assert!(control["room.lightmap.00.exr"] != first["room.lightmap.00.exr"], "another seed must give other bits");
 }
 
+/// The same in fog, where a grid is filled and factors are measured first.
+#[test]
+fn fog_has_the_same_bytes_whatever_the_threads() {
+    let desk = Desk::with_room();
+    for mode in ["grid", "tables"] {
+        let fog = "--fog sigma_t=0.6,albedo=0.7 --samples 8 --page-size 32 --max-pages 1 -q";
+        let bake = |more: &str| {
+            let folder = format!("{mode} {more}").replace(' ', "_");
+            desk.bake(&format!("run room.glb {fog} --mode {mode} {more} -o {folder}")).expect(0, &[]);
+            package_bytes(&desk, &folder)
+        };
+        let first = bake("--threads 1");
+        for threads in [2, 7] {
+            let other = bake(&format!("--threads {threads}"));
+            for (name, bytes) in &first {
+                assert!(*bytes == other[name], "{mode}: {name} differs with {threads} threads");
+            }
+        }
+        let (page, control) = ("room.lightmap.00.exr", bake("--threads 1 --seed 1"));
+        assert!(first[page] != control[page], "{mode}: another seed gives other bits");
+    }
+}
+
 #[test]
 fn plan_writes_nothing_and_says_what_would_be_done() {
     let desk = Desk::with_room();
