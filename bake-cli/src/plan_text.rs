@@ -34,6 +34,7 @@ pub fn text(name: &str, plan: &Plan) -> String {
     }
     if let Some(choice) = &plan.mode {
         line("mode", format!("{} ({})", choice.mode.name(), choice.why));
+        line("error", expected(choice.expected_error));
     }
     for effect in &plan.effects {
         let state = if effect.on { "on " } else { "off" };
@@ -68,6 +69,18 @@ pub fn text(name: &str, plan: &Plan) -> String {
     }
     line("memory", format!("{}, roughly", units::bytes(cost.memory_bytes)));
     text
+}
+
+/// What a mode is expected to leave of error.
+fn expected(error: Option<f64>) -> String {
+    match error {
+        Some(0.0) => "of the air's solver none expected: noise alone".into(),
+        Some(share) => format!(
+            "of the air's solver about {} % expected beside noise (RMSE, measured elsewhere)",
+            number(100.0 * share)
+        ),
+        None => "of the air's solver not known, by factors where light does not reach".into(),
+    }
 }
 
 /// The most that an effect contributes, as a share of the median.

@@ -4,6 +4,7 @@
 pub mod bounds;
 pub mod budget;
 pub mod effects;
+mod expected;
 mod lattices;
 mod mode;
 pub mod reduce;
@@ -142,7 +143,8 @@ impl Plan {
         let budget = Budget::new(scene, air, pilot::median(tracer, &air.media, atlas, &solver));
         let mut effects = effects::derive(scene, air, settings, &budget);
         let simulated = effects::reduce(&effects, air);
-        let mode = choose_mode(scene, &simulated, settings, &effects);
+        let escaping = if air.is_empty() { 0.0 } else { pilot::escaping(tracer, atlas, solver.seed) };
+        let mode = choose_mode(scene, &simulated, settings, &effects, escaping);
         leave_out(&mut solver, &effects);
         solver.mode = mode.as_ref().map_or(Mode::Walk, |choice| choice.mode);
         effects.extend(effects::of_solver(mode.as_ref().map(|choice| choice.mode)));
@@ -177,14 +179,14 @@ fn paths_bytes(settings: &Settings, cost: &Cost, texels: usize) -> Result<Option
 }
 
 /// The solver for the air that is left.
-fn choose_mode(scene: &Scene, air: &Air, settings: &Settings, effects: &[Effect]) -> Option<Choice> {
-    let choice = (!air.is_empty()).then(|| Choice::derive(scene, air, settings))?;
+fn choose_mode(scene: &Scene, air: &Air, settings: &Settings, effects: &[Effect], escaping: f64) -> Option<Choice> {
+    let choice = (!air.is_empty()).then(|| Choice::derive(scene, air, settings, escaping))?;
     if matches!(choice.mode, Mode::Tables | Mode::Paper)
         && !settings.keep_paths
         && !effects::is_on(effects, EffectName::Multiple)
     {
-        let why = "tables hold all orders of scattering together, and `multiple` is off".into();
-        return Some(Choice { mode: Mode::Grid, why });
+        let why = "tables hold all orders of scattering together, and `multiple` is off";
+        return Some(Choice::instead(scene, air, Mode::Grid, why, escaping));
     }
     Some(choice)
 }

@@ -6,9 +6,10 @@ use super::media::Fog;
 use super::media::{Media, Vacuum};
 use super::path::{Counters, Gather, Paths};
 use super::sampler::{Sampler, hash};
-use super::{LUMINANCE, LightmapSettings, paths, texels};
+use super::texels::Start;
+use super::{LUMINANCE, LightmapSettings, paths, texels, warp};
 use crate::atlas::{Atlas, Page, Texel};
-use crate::trace::Tracer;
+use crate::trace::{Ray, Tracer};
 use bake_optics::medium::MediumSet;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -18,6 +19,8 @@ const TEXELS: usize = 256;
 const SAMPLES: u32 = 16;
 /// Of the pilot, beside those of pages.
 const SEED: u32 = 0x7069_6c6f;
+/// Of rays that may escape.
+const ESCAPING_SEED: u32 = 0x6f70_656e;
 
 /// A lower limit of the median texel irradiance, luminance in lux; the same bits whatever the thread count.
 ///
@@ -47,12 +50,36 @@ fn absorbing(air: &MediumSet) -> Option<MediumSet> {
     (!air.media.is_empty()).then_some(air)
 }
 
-fn levels<M: Media>(paths: &Paths<M>, atlas: &Atlas, seed: u32) -> Vec<f64> {
+/// Share of cosine-distributed rays from texels that meet nothing; 0 without texels.
+pub fn escaping(tracer: &Tracer, atlas: &Atlas, seed: u32) -> f64 {
+    let texels = spread(atlas);
+    let look = |(index, (page, texel)): (usize, &(&Page, &Texel))| {
+        let starts = texels::starts(tracer, page, texel);
+        let Some(Start { vertex, .. }) = starts.first() else { return [0, 0] };
+        let seed = hash(hash(seed, ESCAPING_SEED), index as u32);
+        let escapes = |sample: &u32| {
+            let [u, v, ..] = Sampler::new(*sample, seed).next4();
+            let dir = warp::about(vertex.normal_geom, warp::cosine_hemisphere(u, v));
+            tracer.closest_hit(&Ray { origin: vertex.origin, dir, t_max: f32::INFINITY }).is_none()
+        };
+        [(0..SAMPLES).filter(escapes).count(), SAMPLES as usize]
+    };
+    let [escaped, all] = texels.par_iter().enumerate().map(look).reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+    escaped as f64 / all.max(1) as f64
+}
+
+/// Some texels of all pages.
+fn spread(atlas: &Atlas) -> Vec<(&Page, &Texel)> {
     let texels: Vec<(&Page, &Texel)> =
         atlas.pages.iter().flat_map(|page| page.texels.iter().map(move |texel| (page, texel))).collect();
     let count = texels.len().min(TEXELS);
+    (0..count).map(|index| texels[index * texels.len() / count]).collect()
+}
+
+fn levels<M: Media>(paths: &Paths<M>, atlas: &Atlas, seed: u32) -> Vec<f64> {
+    let texels = spread(atlas);
     let level = |index: usize| {
-        let (page, texel) = texels[index * texels.len() / count];
+        let (page, texel) = texels[index];
         let starts = texels::starts(paths.tracer(), page, texel);
         if starts.is_empty() {
             return None;
@@ -69,5 +96,5 @@ fn levels<M: Media>(paths: &Paths<M>, atlas: &Atlas, seed: u32) -> Vec<f64> {
             .sum();
         Some(sum / f64::from(SAMPLES))
     };
-    (0..count).into_par_iter().filter_map(level).collect()
+    (0..texels.len()).into_par_iter().filter_map(level).collect()
 }

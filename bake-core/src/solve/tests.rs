@@ -10,6 +10,8 @@ mod kept;
 mod paper;
 mod points;
 #[cfg(feature = "media")]
+mod situations;
+#[cfg(feature = "media")]
 mod tables;
 
 use super::*;

@@ -18,17 +18,25 @@ pub fn irradiance<M: Media>(scene: &Scene, media: &M, points: &[(Vec3, Vec3)], s
 
 /// The same by any way to gather light.
 pub fn gathered<G: Gather>(paths: &G, points: &[(Vec3, Vec3)], samples: u32) -> Vec<(f64, f64)> {
+    replicates(paths, points, samples).iter().map(|means| with_error(means, 0)).collect()
+}
+
+/// Mean of one channel and its standard error.
+pub(super) fn with_error(replicates: &[Vec3], channel: usize) -> (f64, f64) {
+    let values: Vec<f64> = replicates.iter().map(|e| f64::from(e[channel])).collect();
+    testkit::statistics::mean_and_error(&values)
+}
+
+/// Irradiance at points of the world: 32 independent means of each.
+pub(super) fn replicates<G: Gather>(paths: &G, points: &[(Vec3, Vec3)], samples: u32) -> Vec<Vec<Vec3>> {
     let at = |(index, &(point, normal)): (usize, &(Vec3, Vec3))| {
         let start = path::Vertex { origin: point + normal * 1e-4, normal_geom: normal, normal_shading: normal };
-        let replicates: Vec<f64> = (0..32)
-            .map(|replicate| {
-                let seed = hash(index as u32, replicate);
-                let one = |i| paths.gather(&start, &mut Sampler::new(i, seed), &Counters::default());
-                let sum: f64 = (0..samples / 32).map(|i| f64::from(one(i).terms.iter().sum::<Vec3>().x)).sum();
-                sum / f64::from(samples / 32)
-            })
-            .collect();
-        testkit::statistics::mean_and_error(&replicates)
+        let replicate = |replicate| {
+            let seed = hash(index as u32, replicate);
+            let one = |i| paths.gather(&start, &mut Sampler::new(i, seed), &Counters::default());
+            (0..samples / 32).map(|i| one(i).terms.iter().sum::<Vec3>()).sum::<Vec3>() / (samples / 32) as f32
+        };
+        (0..32).map(replicate).collect()
     };
     points.par_iter().enumerate().map(at).collect()
 }
@@ -39,19 +47,32 @@ pub fn uniform(bounds: Bounds, sigma_t: f64, albedo: f64, phase: Phase<f64>) -> 
     MediumSet { media: vec![Medium { bounds, scatter, phase, ..Medium::default() }] }
 }
 
-/// How a bake stands against truth; points whose truth is uncertain by more than 2 % are left out.
+/// How a bake stands against truth.
 #[derive(Debug)]
 pub(super) struct Score {
     /// Of the mean.
     pub(super) bias: f64,
     /// Relative RMSE of architecture, with the variances of truth and bake taken off.
-    rmse: f64,
-    /// What was taken off for the bake.
+    pub(super) rmse: f64,
+    /// What was taken off.
     noise: f64,
     points: usize,
 }
 
 impl Score {
+    /// Of irradiance with its errors against a truth with its own.
+    pub(super) fn new(got: &[(f64, f64)], truth: &[(f64, f64)]) -> Self {
+        let (points, total) = (truth.len(), |values: &[(f64, f64)]| values.iter().map(|v| v.0).sum::<f64>());
+        let floor = 0.01 * total(truth) / points as f64;
+        let mean = |f: &dyn Fn((f64, f64), (f64, f64)) -> f64| {
+            let relative = |(&g, &t): (&(f64, f64), &(f64, f64))| f(g, t) / t.0.max(floor).powi(2);
+            got.iter().zip(truth).map(relative).sum::<f64>() / points as f64
+        };
+        let variance = mean(&|g, t| g.1 * g.1 + t.1 * t.1);
+        let rmse = (mean(&|g, t| (g.0 - t.0).powi(2)) - variance).max(0.0).sqrt();
+        Self { bias: total(got) / total(truth) - 1.0, rmse, noise: variance.sqrt(), points }
+    }
+
     /// Whether bias and error lie within limits, given three standard deviations of what chance does to both.
     pub(super) fn holds(&self, bias: f64, rmse: f64) -> bool {
         let n = self.points as f64;
@@ -60,19 +81,19 @@ impl Score {
     }
 }
 
+impl std::fmt::Display for Score {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let [bias, rmse, noise] = [self.bias, self.rmse, self.noise].map(|x| 100.0 * x);
+        write!(f, "bias {bias:+.2} %, RMSE {rmse:.2} % beside a noise of {noise:.2} %, {} points", self.points)
+    }
+}
+
+/// Against the truth of others; points whose truth is uncertain by more than 2 % are left out.
 pub(super) fn score(name: &str, got: &[(f64, f64)], truth: &[Row]) -> Score {
-    let want: Vec<(f64, f64)> = truth.iter().map(|row| (row.number("E"), row.number("se"))).collect();
-    let mean = want.iter().map(|w| w.0).sum::<f64>() / want.len() as f64;
-    let sure: Vec<usize> = (0..want.len()).filter(|&i| want[i].1 < 0.02 * want[i].0).collect();
-    let total = |f: &dyn Fn(usize) -> f64| sure.iter().map(|&i| f(i)).sum::<f64>();
-    let relative = |i: usize, value: f64| (value / want[i].0.max(0.01 * mean)).powi(2) / sure.len() as f64;
-    let bias = total(&|i| got[i].0) / total(&|i| want[i].0) - 1.0;
-    let noise = total(&|i| relative(i, got[i].1));
-    let known = noise + total(&|i| relative(i, want[i].1));
-    let rmse = (total(&|i| relative(i, got[i].0 - want[i].0)) - known).max(0.0).sqrt();
-    let score = Score { bias, rmse, noise: noise.sqrt(), points: sure.len() };
-    let [b, r, n] = [bias, rmse, score.noise].map(|x| 100.0 * x);
-    println!("{name}: bias {b:+.2} %, RMSE {r:.2} % beside a noise of {n:.2} %, {} points", sure.len());
+    let known = truth.iter().map(|row| (row.number("E"), row.number("se")));
+    let (got, truth): (Vec<_>, Vec<_>) = got.iter().zip(known).filter(|(_, t)| t.1 < 0.02 * t.0).unzip();
+    let score = Score::new(&got, &truth);
+    println!("{name}: {score}");
     score
 }
 
