@@ -1,8 +1,10 @@
 //! Laws and published values of light in air: slabs, furnaces, balances, limits, and cases that break careless code.
 
-use super::fog::{by_grid, irradiance, room, sun, uniform};
+use super::fog::{by_grid, courtyard, courtyard_air, gathered, irradiance, room, sun, uniform};
 use super::*;
 use crate::solve::grid::GridSettings;
+use crate::solve::tables::TablePaths;
+use crate::solve::tables::medium::{Tabled, reduce};
 use bake_optics::medium::Bounds;
 use bake_optics::phase::Phase;
 use glam::{DVec3, Vec3};
@@ -92,6 +94,84 @@ fn a_furnace_of_fog_stays_a_furnace() {
     let absorbing = uniform(region(), 1.0, 0.9, Phase::Isotropic);
     let (dimmed, _) = irradiance(&scene, &Fog::new(&absorbing), &points[..1], 2048)[0];
     assert!(dimmed < 0.97 * std::f64::consts::PI, "albedo 0.9 must not pass for 1: {dimmed}");
+}
+
+/// Share of uniform light that a sphere of air absorbs: `published_benchmarks.md` section 7 (integral equation for r·J(r)).
+#[test]
+fn walk_meets_published_spheres() {
+    let speck = quad(Vec3::new(0.0, -1e4, 0.0), Vec3::X, Vec3::NEG_Z, 0);
+    let scene = Scene { environment: Some(sky(1.0)), ..scene(vec![speck], vec![matte(0.0)]) };
+    // What leaves through the border arrives at a receiver there that looks inwards.
+    let border: Vec<(Vec3, Vec3)> =
+        [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z].map(|out| (out, -out)).into();
+    let samples = if std::env::var_os("BAKE_LONG").is_some() { 1 << 17 } else { 1 << 13 };
+    let mut worst = Worst::new("absorbed by a sphere, beyond three standard errors", 0.005);
+    let mut twin = Worst::new("the same, 5 % too much", 0.005);
+    for (radius, albedo, want) in [
+        (0.5, 0.5, 0.27583),
+        (1.0, 0.2, 0.61940),
+        (1.0, 0.9, 0.12199),
+        (2.0, 0.5, 0.65108),
+        (2.0, 0.99, 0.02608),
+        (4.0, 0.8, 0.51377),
+        (4.0, 0.9, 0.34060),
+    ] {
+        let ball = Bounds::Sphere { centre: DVec3::ZERO, radius: 1.0 };
+        let got = irradiance(&scene, &Fog::new(&uniform(ball, radius, albedo, Phase::Isotropic)), &border, samples);
+        let count = got.len() as f64 * std::f64::consts::PI;
+        let absorbed = 1.0 - got.iter().map(|e| e.0).sum::<f64>() / count;
+        let error = got.iter().map(|e| e.1 * e.1).sum::<f64>().sqrt() / count;
+        println!("radius {radius}, albedo {albedo}: {absorbed:.5} ± {error:.5}, published {want:.5}");
+        let off = |absorbed: f64| ((absorbed - want).abs() - 3.0 * error).max(0.0) / want;
+        worst.record(off(absorbed), || format!("radius {radius}, albedo {albedo}: {absorbed}"));
+        twin.record(off(1.05 * absorbed), || format!("radius {radius}, albedo {albedo}"));
+    }
+    worst.check();
+    assert!(!twin.holds(), "5 % too much must fail");
+}
+
+/// A mode, and what it finds at points.
+type Solve<'a> = (&'a str, &'a dyn Fn(&Scene, &MediumSet) -> Vec<(f64, f64)>);
+
+/// Walls that reflect all and air that absorbs nothing give more light than any other, at every point and in every mode.
+#[test]
+fn nothing_is_brighter_than_white_walls_and_white_air() {
+    let lit = |albedo: f32| {
+        let mut scene = Scene { lights: vec![sun(1.0, Vec3::new(-0.5, -0.3, 0.8))], ..courtyard() };
+        scene.materials.iter_mut().for_each(|material| material.base_color = Vec3::splat(albedo).extend(1.0));
+        scene
+    };
+    let bounds = &courtyard_air().media[0].bounds;
+    let air = |tau: f64, albedo: f64| uniform(bounds.clone(), tau / 8.0, albedo, Phase::Isotropic);
+    let at = |i: u32| -8.0 + 3.9 * i as f32;
+    let ground: Vec<(Vec3, Vec3)> = (0..25).map(|i| (Vec3::new(at(i % 5), at(i / 5), 0.0), Vec3::Z)).collect();
+    let samples = if std::env::var_os("BAKE_LONG").is_some() { 8192 } else { 512 };
+    let modes: [Solve; 3] = [
+        ("walk", &|scene, air| irradiance(scene, &Fog::new(air), &ground, samples)),
+        ("grid", &|scene, air| by_grid(scene, air, &ground, GridSettings { cells: 6, samples: 64 }, samples)),
+        ("tables", &|scene, air| {
+            let (tracer, reduced) = (Tracer::new(scene), reduce(air));
+            let (emitters, media) = (Emitters::new(&tracer), Tabled::new(&reduced));
+            let paths = Paths { tracer: &tracer, emitters: &emitters, media: &media, bounces: u32::MAX, sh1: false };
+            let effort = Effort { stations: 512, rays: 64, ..Effort::default() };
+            gathered(&TablePaths::new(paths, effort, 1), &ground, samples)
+        }),
+    ];
+    for ((mode, solve), tau) in modes.iter().flat_map(|mode| [0.3, 1.0, 3.0].map(|tau| (mode, tau))) {
+        let most = solve(&lit(1.0), &air(tau, 1.0));
+        let beyond = |got: &[(f64, f64)]| {
+            let excess = |(got, most): (&(f64, f64), &(f64, f64))| (got.0 - most.0) / got.1.hypot(most.1);
+            got.iter().zip(&most).map(excess).fold(f64::NEG_INFINITY, f64::max)
+        };
+        for (walls, albedo) in [(0.9, 1.0), (0.4, 0.9)] {
+            let got = solve(&lit(walls), &air(tau, albedo));
+            let excess = beyond(&got);
+            println!("{mode}, optical height {tau}, walls {walls}, air {albedo}: {excess:+.1} standard errors");
+            assert!(excess < 4.0, "{mode}, optical height {tau}, walls {walls}, air {albedo}: {excess}");
+            let brighter: Vec<_> = got.iter().map(|e| (4.0 * e.0, e.1)).collect();
+            assert!(beyond(&brighter) > 4.0, "four times as bright must fail");
+        }
+    }
 }
 
 /// In a closed room with air of albedo 1 the walls absorb what the lamp emits.
