@@ -132,7 +132,8 @@ impl Base {
         let settings = &job.settings;
         let GridSettings { cells, samples } = settings.quality.grid();
         let has_air = !job.air.is_empty();
-        let mode = if has_air { Choice::derive(&job.scene, &job.air, settings).mode } else { Mode::Walk };
+        // How many rays escape decides on the error to expect, not on the mode.
+        let mode = if has_air { Choice::derive(&job.scene, &job.air, settings, 0.0).mode } else { Mode::Walk };
         let point = Point {
             mode,
             stop: Stop::Samples(0),

@@ -164,11 +164,10 @@ fn ratios(replicates: &[Vec<Vec3>]) -> Vec<(f64, f64)> {
 
 /// Root mean square of the differences of two lists, with their variances taken off, and those.
 fn apart(a: &[(f64, f64)], b: &[(f64, f64)]) -> [f64; 2] {
-    let mean = |f: &dyn Fn(&(f64, f64), &(f64, f64)) -> f64| {
-        a.iter().zip(b).map(|(a, b)| f(a, b)).sum::<f64>() / a.len() as f64
-    };
-    let variance = mean(&|a, b| a.1 * a.1 + b.1 * b.1);
-    [(mean(&|a, b| (a.0 - b.0).powi(2)) - variance).max(0.0).sqrt(), variance.sqrt()]
+    let pairs = || a.iter().zip(b);
+    let square = pairs().map(|(a, b)| (a.0 - b.0).powi(2)).sum::<f64>() / a.len() as f64;
+    let variance = pairs().map(|(a, b)| a.1 * a.1 + b.1 * b.1).sum::<f64>() / a.len() as f64;
+    [(square - variance).max(0.0).sqrt(), variance.sqrt()]
 }
 
 /// What colour fog and walls give each other: RMSE of the ratios of channels.
