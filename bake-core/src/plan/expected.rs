@@ -7,6 +7,7 @@ use crate::air::Air;
 use crate::scene::{LightKind, Scene};
 use crate::solve::Mode;
 use bake_optics::medium::Density;
+use glam::DVec3;
 
 /// Share of escaping rays from which a scene is open.
 const OPEN: f64 = 0.05;
@@ -28,6 +29,8 @@ pub(super) struct Situation {
     pub has_sky: bool,
     /// Whether density changes from place to place.
     pub is_uneven: bool,
+    /// Whether air ends within the scene.
+    pub has_edges: bool,
 }
 
 impl Situation {
@@ -40,6 +43,7 @@ impl Situation {
             has_sun: scene.lights.iter().any(|light| matches!(light.kind, LightKind::Directional { .. })),
             has_sky: scene.environment.is_some(),
             is_uneven: media.len() > 1 || media.iter().any(|m| m.density != Density::Uniform),
+            has_edges: media.iter().any(|m| ends_within(m.bounds.bounding_box(), air.scene)),
         }
     }
 
@@ -73,10 +77,17 @@ impl Situation {
             (true, true, _) if self.g > FORWARD => Some(0.11),
             (true, true, _) => Some(0.053),
             (true, false, true) => Some(0.03),
+            (false, ..) if self.has_edges => Some(0.21),
             (false, ..) if self.is_uneven => Some(0.06),
             (false, ..) if self.size > 1.5 => Some(0.035),
             (false, ..) if self.size > 0.5 => Some(0.023),
             (false, ..) => Some(0.01),
         }
     }
+}
+
+/// Whether a box leaves out more than a hundredth of the scene's along some axis.
+fn ends_within([low, high]: [DVec3; 2], scene: [DVec3; 2]) -> bool {
+    let slack = 0.01 * (scene[1] - scene[0]);
+    (low - slack).cmpgt(scene[0]).any() || (high + slack).cmplt(scene[1]).any()
 }

@@ -136,6 +136,10 @@ mod tests {
         assert!(error(settings::Mode::Tables, 0.0) > error(settings::Mode::Grid, 0.0).map(|e| 0.9 * e));
         assert_eq!(error(settings::Mode::Tables, 0.9), None, "a lamp outdoors");
         assert!(error(settings::Mode::Grid, 0.9) > error(settings::Mode::Grid, 0.0));
+        let mut cube = air.clone();
+        cube.media.media[0].bounds = Bounds::Box { min: DVec3::splat(0.3), max: DVec3::splat(0.7) };
+        let of_cube = Choice::derive(&Scene::default(), &cube, &settings(settings::Mode::Tables), 0.0).expected_error;
+        assert!(of_cube > error(settings::Mode::Tables, 0.0), "air that ends within the room is harder");
     }
 
     #[test]

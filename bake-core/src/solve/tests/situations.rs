@@ -28,8 +28,8 @@ struct Situation {
     grid: f64,
 }
 
-/// Tables left 21.4 % in the long form, where 21 % were hoped for: factors are smooth over stations, what a hard-edged cube scatters
-/// is not. Printed, not judged.
+/// Tables left 21.4 % in the long form, beside 21 % specified: a texel whose way to the lamp misses the cube looks up no light of
+/// it scattered twice, and its factor cannot make up for that. Printed, not judged.
 const MISSED: &str = "dense cube";
 
 fn is_long() -> bool {
