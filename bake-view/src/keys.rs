@@ -25,6 +25,8 @@ pub enum Action {
     NextView,
     /// Draws the air in another way.
     NextAir,
+    /// Puts a lamp ahead of the camera, or takes all away.
+    ToggleLamp,
     /// One side, two, or their difference.
     NextSplit,
     /// Stops brighter.
@@ -41,6 +43,7 @@ pub const KEYS: &[(Key, &str, Action)] = &[
     (Key::Num4, "multiple scattering", Action::ToggleTerm(Term::Multiple)),
     (Key::V, "next view", Action::NextView),
     (Key::M, "next air method", Action::NextAir),
+    (Key::L, "a lamp ahead, none", Action::ToggleLamp),
     (Key::X, "one, two, difference", Action::NextSplit),
     (Key::OpenBracket, "half a stop darker", Action::Brighter(-0.5)),
     (Key::CloseBracket, "half a stop brighter", Action::Brighter(0.5)),
@@ -92,6 +95,7 @@ impl Viewer {
             Action::ToggleTerm(term) => self.look.toggle_term(term),
             Action::NextView => self.look.next_view(),
             Action::NextAir => self.look.next_air(),
+            Action::ToggleLamp => self.look.toggle_lamp(self.navigator.ahead()),
             Action::NextSplit => self.look.next_split(),
             Action::Brighter(stops) => {
                 self.look.exposure_stops = (self.look.exposure_stops + stops).clamp(-20.0, 20.0);

@@ -6,7 +6,7 @@
 //!               panel (egui widgets) ◄──────────── window (winit, the screen) ◄────────────────────────┘
 //! ```
 //!
-//! `navigator`, `look`, `keys` and `pace` know neither window nor device; what is seen is computed by `bake-runtime`.
+//! `navigator`, `look`, `turned`, `keys` and `pace` know neither window nor device; what is seen is computed by `bake-runtime`.
 
 mod error;
 mod keys;
@@ -17,6 +17,7 @@ mod pace;
 mod panel;
 mod screenshot;
 mod stage;
+mod turned;
 mod window;
 
 pub use error::ViewError;

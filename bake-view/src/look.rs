@@ -2,10 +2,11 @@
 
 use bake_formats::Term;
 use bake_runtime::Method;
-use bake_runtime::air::Haze;
 use bake_runtime::scene::PageContent;
+use glam::Vec3;
 
 use crate::options::{Compare, Options, View};
+use crate::turned::{Lamp, Turned};
 
 /// What is shown, and how.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,8 +19,10 @@ pub struct Look {
     pub terms: Vec<Term>,
     /// How the air is drawn.
     pub air: Method,
-    /// The air's numbers, medium by medium; none: as it was baked.
-    pub haze: Vec<Option<Haze>>,
+    /// Air and lights as they are turned: of the package, and of the one beside it.
+    pub turned: [Turned; 2],
+    /// Lamps that were not baked, on both sides.
+    pub lamps: Vec<Lamp>,
     /// Distance of the sky behind air, metres; none: it is seen through the air's own extent.
     pub sky_distance_m: Option<u32>,
     /// Distance from which on clutter is thinned, metres; none: everything is drawn.
@@ -55,7 +58,8 @@ impl Look {
             view: options.show,
             terms: options.terms.clone().unwrap_or_else(|| Term::ALL.to_vec()),
             air: options.air,
-            haze: Vec::new(),
+            turned: Default::default(),
+            lamps: Vec::new(),
             sky_distance_m: None,
             prune_start_m: options.prune_start_m,
             split,
@@ -79,6 +83,11 @@ impl Look {
             None => self.terms.push(term),
         }
         self.terms.sort();
+    }
+
+    /// A lamp that was not baked, or all of them away.
+    pub fn toggle_lamp(&mut self, place: Vec3) {
+        if self.lamps.is_empty() { self.lamps.push(Lamp::at(place)) } else { self.lamps.clear() }
     }
 
     /// The next of all views.

@@ -75,6 +75,11 @@ impl Navigator {
         self.camera = self.home;
     }
 
+    /// A place in the picture's middle, half as far as the point about which orbits turn.
+    pub fn ahead(&self) -> Vec3 {
+        self.camera.eye.as_vec3() + self.camera.forward * (0.5 * self.distance)
+    }
+
     /// The other way of moving.
     pub fn toggle_mode(&mut self) {
         self.mode = if self.mode == Mode::Fly { Mode::Orbit } else { Mode::Fly };

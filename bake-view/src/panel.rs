@@ -1,5 +1,7 @@
 //! What stands beside the picture, and what hands do on it: widgets that turn a [`Viewer`].
 
+mod lights;
+
 use bake_formats::Term;
 use bake_runtime::air::Haze;
 use bake_runtime::palette::{self, Palette};
@@ -11,7 +13,7 @@ use crate::keys::{KEYS, Viewer, WALK};
 use crate::look::Split;
 use crate::navigator::{Mode, Motion};
 use crate::options::View;
-use crate::stage::Readout;
+use crate::stage::{Baked, Readout};
 
 /// Width of the panel, points.
 const WIDTH: f32 = 290.0;
@@ -29,11 +31,11 @@ pub struct Facts {
     /// What is not drawn, in words.
     pub notes: Vec<String>,
     /// Why the air is drawn in another way than asked for.
-    pub air_note: Option<String>,
-    /// Terms that were baked.
+    pub air_notes: Vec<String>,
+    /// Terms that were baked, of either package.
     pub terms: Vec<Term>,
-    /// The air as it was baked.
-    pub haze: Vec<Haze>,
+    /// What can be turned of each package.
+    pub baked: Vec<Baked>,
     /// Whether there is a sky.
     pub sky: bool,
     /// Milliseconds of each pass, of the left side and of the right one where there are two.
@@ -144,6 +146,7 @@ fn widgets(ui: &mut Ui, viewer: &mut Viewer, facts: &Facts) {
     ui.strong(&facts.title);
     ui.weak(&facts.adapter);
     section(ui, "Light", |ui| light(ui, viewer, facts));
+    section(ui, "Lights", |ui| lights::show(ui, viewer, &facts.baked));
     section(ui, "Air", |ui| air(ui, viewer, facts));
     section(ui, "Compare", |ui| compare(ui, viewer, facts));
     section(ui, "Under the cursor", |ui| cursor(ui, facts));
@@ -187,17 +190,26 @@ fn light(ui: &mut Ui, viewer: &mut Viewer, facts: &Facts) {
 
 fn air(ui: &mut Ui, viewer: &mut Viewer, facts: &Facts) {
     methods(ui, "method", &mut viewer.look.air);
-    facts.air_note.iter().for_each(|note| drop(ui.weak(note)));
-    viewer.look.haze.resize(facts.haze.len(), None);
-    for (index, (baked, turned)) in facts.haze.iter().zip(&mut viewer.look.haze).enumerate() {
-        ui.push_id(index, |ui| medium(ui, index, baked, turned));
+    facts.air_notes.iter().for_each(|note| drop(ui.weak(note)));
+    for (side, (baked, turned)) in facts.baked.iter().zip(&mut viewer.look.turned).enumerate() {
+        of_package(ui, &facts.baked, side);
+        for (index, (baked, turned)) in baked.haze.iter().zip(&mut turned.haze).enumerate() {
+            ui.push_id((side, index), |ui| medium(ui, index, baked, turned));
+        }
     }
-    if facts.haze.is_empty() {
+    if facts.baked.iter().all(|baked| baked.haze.is_empty()) {
         ui.weak("baked without air");
     } else if facts.sky {
         sky(ui, &mut viewer.look.sky_distance_m);
     }
     facts.notes.iter().for_each(|note| drop(ui.weak(note)));
+}
+
+/// Which package what follows is of, where there are two.
+fn of_package(ui: &mut Ui, all: &[Baked], side: usize) {
+    if all.len() > 1 {
+        ui.strong(format!("{}: {}", ["left", "right"][side.min(1)], all[side].name));
+    }
 }
 
 /// How far off the sky is taken to be.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use bake_formats::manifest::{LightKind, LightRecord};
 use bake_formats::{Package, Term};
 use bake_runtime::air::{AirSettings, Haze, Medium};
 use bake_runtime::scene::{PageContent, Reading, TermPages, page_charts};
@@ -11,9 +12,13 @@ use glam::{DVec3, Vec3};
 use crate::error::ViewError;
 use crate::look::{Look, Split};
 use crate::options::View;
+use crate::turned::Turned;
 
 /// What pictures are drawn to.
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+/// Side of the shadow maps of lamps that were added to a scene without any, texels.
+const SHADOW_SIZE: u32 = 1024;
 
 /// One or two packages, ready to be drawn.
 pub struct Stage {
@@ -37,6 +42,17 @@ pub struct Readout {
     pub lightmap: Option<(u32, Reading)>,
 }
 
+/// What a package has that can be turned.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Baked {
+    /// Its name.
+    pub name: String,
+    /// Its air, medium by medium.
+    pub haze: Vec<Haze>,
+    /// Its lights: paths and kinds.
+    pub lights: Vec<(String, &'static str)>,
+}
+
 /// A package on the device.
 struct Side {
     package: Package,
@@ -47,6 +63,8 @@ struct Side {
     terms: Option<TermPages>,
     /// The air as it was baked.
     media: Vec<Medium>,
+    /// The lights as they were baked.
+    lights: Vec<LightRecord>,
     /// What suits it.
     plain: Settings,
 }
@@ -54,10 +72,10 @@ struct Side {
 impl Side {
     fn new(host: &Headless, package: Package) -> Result<Self, ViewError> {
         let scene = SceneData::load(&package)?;
-        let media = scene.media.clone();
+        let (media, lights) = (scene.media.clone(), scene.lights.clone());
         let model = Model::new(&host.device, &host.queue, scene)?;
         let (content, plain) = (PageContent::Terms(Term::ALL.to_vec()), Settings::for_model(&model));
-        Ok(Self { package, model, content, terms: None, media, plain })
+        Ok(Self { package, model, content, terms: None, media, lights, plain })
     }
 
     /// The terms, read at first use.
@@ -68,8 +86,18 @@ impl Side {
         Ok(self.terms.as_ref().expect("read above"))
     }
 
-    /// Puts pages and air into the state that the look asks for.
-    fn prepare(&mut self, host: &Headless, look: &Look) -> Result<(), ViewError> {
+    /// What can be turned.
+    fn baked(&self) -> Baked {
+        let light = |light: &LightRecord| (light.path.clone(), kind(&light.kind));
+        Baked {
+            name: self.package.manifest.name.clone(),
+            haze: self.media.iter().map(Haze::of).collect(),
+            lights: self.lights.iter().map(light).collect(),
+        }
+    }
+
+    /// Puts pages, air and lights into the state that the look asks for; `white`: a brightness of the scene, cd/m².
+    fn prepare(&mut self, host: &Headless, look: &Look, turned: &Turned, white: f32) -> Result<(), ViewError> {
         let content = look.page_content();
         if content != self.content {
             let terms = self.terms()?;
@@ -81,11 +109,10 @@ impl Side {
             let charts = page_charts(&self.package, &self.model.scene.instances)?;
             self.model.set_charts(&host.device, &charts);
         }
-        let turned = self.media.iter().enumerate().map(|(index, medium)| {
-            let haze = look.haze.get(index).copied().flatten();
-            haze.map_or_else(|| medium.clone(), |haze: Haze| haze.applied(medium))
-        });
-        self.model.scene.media = turned.collect();
+        let scene = &mut self.model.scene;
+        scene.media = turned.media(&self.media);
+        scene.lights = turned.lights(&self.lights);
+        scene.dynamic_lights = look.lamps.iter().filter_map(|lamp| lamp.light(white)).collect();
         Ok(())
     }
 }
@@ -112,23 +139,27 @@ impl Stage {
 
     /// What of the packages is not drawn, in words.
     pub fn notes(&self) -> Vec<String> {
-        let sides = std::iter::once(&self.left).chain(&self.right);
-        sides.flat_map(|side| side.model.scene.notes.clone()).collect()
+        self.sides().flat_map(|side| side.model.scene.notes.clone()).collect()
     }
 
-    /// Terms that were baked.
-    pub fn terms(&self) -> &[Term] {
-        &self.left.package.manifest.terms
+    /// Terms that were baked, of either package.
+    pub fn terms(&self) -> Vec<Term> {
+        let terms: BTreeSet<Term> = self.sides().flat_map(|side| side.package.manifest.terms.clone()).collect();
+        terms.into_iter().collect()
     }
 
     /// Whether there is light from infinitely far that is no sun.
     pub fn has_sky(&self) -> bool {
-        self.left.model.scene.environment.is_some()
+        self.sides().any(|side| side.model.scene.environment.is_some())
     }
 
-    /// The air as it was baked, medium by medium.
-    pub fn baked_haze(&self) -> Vec<Haze> {
-        self.left.media.iter().map(Haze::of).collect()
+    /// What can be turned of each package.
+    pub fn baked(&self) -> Vec<Baked> {
+        self.sides().map(Side::baked).collect()
+    }
+
+    fn sides(&self) -> impl Iterator<Item = &Side> {
+        std::iter::once(&self.left).chain(&self.right)
     }
 
     /// Shaders that pictures called for so far, one a line: pass and effects.
@@ -136,11 +167,15 @@ impl Stage {
         self.renderers.iter().flat_map(Renderer::variants).map(ToString::to_string).collect()
     }
 
-    /// Why the air is drawn in another way than `look` asks for.
-    pub fn air_note(&self, look: &Look) -> Option<String> {
-        let settings = settings(look, look.air, self.white, &self.left.plain);
-        let plan = self.renderers[0].air_plan(&self.left.model, &settings)?;
-        plan.note.map(|note| format!("{} stands in for {}: {note}", plan.method.name(), look.air.name()))
+    /// Why the air of a side that is shown is drawn in another way than `look` asks for.
+    pub fn air_notes(&self, look: &Look) -> BTreeSet<String> {
+        let shown = if look.split == Split::Off { 1 } else { 2 };
+        let note = |(side, method): (&Side, Method)| {
+            let plan = self.renderers[0].air_plan(&side.model, &settings(look, method, self.white, &side.plain))?;
+            plan.note.map(|note| format!("{} stands in for {}: {note}", plan.method.name(), method.name()))
+        };
+        let sides = [(&self.left, look.air), (self.right.as_ref().unwrap_or(&self.left), look.right_air)];
+        sides.into_iter().take(shown).filter_map(note).collect()
     }
 
     /// Draws to a target of [`FORMAT`]. Side by side: the column of the divider is left white.
@@ -151,8 +186,9 @@ impl Stage {
         (target, size): (&wgpu::TextureView, [u32; 2]),
         timed: bool,
     ) -> Result<(), ViewError> {
-        self.left.prepare(&self.host, look)?;
-        self.right.as_mut().map_or(Ok(()), |side| side.prepare(&self.host, look))?;
+        for (side, turned) in std::iter::once(&mut self.left).chain(&mut self.right).zip(&look.turned) {
+            side.prepare(&self.host, look, turned, self.white)?;
+        }
         let sides = [(&self.left, look.air), (self.right.as_ref().unwrap_or(&self.left), look.right_air)];
         let settings = sides.map(|(side, air)| Settings { timed, ..settings(look, air, self.white, &side.plain) });
         let draw = |renderer: &mut Renderer, side: usize, columns: std::ops::Range<u32>| {
@@ -226,7 +262,9 @@ impl Stage {
 fn settings(look: &Look, method: Method, white: f32, plain: &Settings) -> Settings {
     let stops = look.exposure_stops.exp2();
     let air = AirSettings { method, sky_distance_m: look.sky_distance_m, ..plain.air };
-    let settings = Settings { air, exposure: 0.5 / white * stops, prune_start_m: look.prune_start_m, ..plain.clone() };
+    let shadow_size = plain.shadow_size.or((!look.lamps.is_empty()).then_some(SHADOW_SIZE));
+    let (exposure, prune_start_m) = (0.5 / white * stops, look.prune_start_m);
+    let settings = Settings { air, exposure, prune_start_m, shadow_size, ..plain.clone() };
     let pages = Settings { show: Show::Irradiance, filmic: false, ..settings.clone() };
     match look.view {
         View::Show(Show::Irradiance) => Settings { exposure: settings.exposure / std::f32::consts::PI, ..pages },
@@ -236,6 +274,16 @@ fn settings(look: &Look, method: Method, white: f32, plain: &Settings) -> Settin
         View::Show(show) => Settings { show, ..settings },
         View::Error => Settings { exposure: 10.0 * stops, ..pages },
         View::Validity => Settings { exposure: stops, ..pages },
+    }
+}
+
+/// A kind of light in a word.
+fn kind(kind: &LightKind) -> &'static str {
+    match kind {
+        LightKind::Point { profile: None, .. } => "point",
+        LightKind::Spot { profile: None, .. } => "spot",
+        LightKind::Point { .. } | LightKind::Spot { .. } => "measured",
+        LightKind::Directional { .. } => "sun",
     }
 }
 

@@ -20,6 +20,7 @@ use crate::pace::Pace;
 use crate::panel::{self, Facts, Touched};
 use crate::screenshot::{open, png};
 use crate::stage::{FORMAT, Stage};
+use crate::turned::Turned;
 
 /// Opens a window on a package and returns when it is closed.
 pub fn window(package: Package, options: Options) -> Result<(), ViewError> {
@@ -207,7 +208,7 @@ impl Desk {
         self.facts.picture = (begin.elapsed().as_secs_f64() * 1e3, divisor);
         self.facts.times = self.stage.milliseconds(&wanted.look);
         self.facts.full_difference = self.stage.full_difference(&wanted.look);
-        self.facts.air_note = self.stage.air_note(&wanted.look);
+        self.facts.air_notes = self.stage.air_notes(&wanted.look).into_iter().collect();
         self.shown = Some(wanted);
         Ok(true)
     }
@@ -279,7 +280,9 @@ fn viewer(stage: &Stage, options: &Options) -> Viewer {
     let [low, high] = stage.bounds();
     let camera = options.camera.unwrap_or_else(|| Camera::overview(low, high));
     let mut look = Look::new(options);
-    look.haze = vec![None; stage.baked_haze().len()];
+    for (turned, baked) in look.turned.iter_mut().zip(stage.baked()) {
+        *turned = Turned::nothing(baked.haze.len(), baked.lights.len());
+    }
     Viewer::new(Navigator::new(camera, [low, high]), look)
 }
 
@@ -289,8 +292,8 @@ fn facts(stage: &Stage) -> Facts {
         title: stage.title(),
         adapter: stage.host.info.name.clone(),
         notes: stage.notes(),
-        terms: stage.terms().to_vec(),
-        haze: stage.baked_haze(),
+        terms: stage.terms(),
+        baked: stage.baked(),
         sky: stage.has_sky(),
         ..Facts::default()
     }
