@@ -1,8 +1,10 @@
 //! Milliseconds a frame by method and number of lamps, on whatever adapter is there, with the picture's error beside them.
 //!
-//! `cargo bench -p bake-runtime --bench frame [-- WIDTHxHEIGHT LAMPS...]`, default 1280x720 and 1 4 16 64. The scene is air alone before a
-//! black wall: what surfaces cost is not shown. Times are those of whole frames, device idle before and after, the fastest of three, or of as many as
-//! begin within two seconds; on a machine that is busy with other things read them as ratios. Errors are relative to 64 nodes on each side of a lamp's foot, as a share of the mean.
+//! `cargo bench -p bake-runtime --bench frame [-- WIDTHxHEIGHT LAMPS...]`, default 1280x720 and 1 4 16 64. The scene is air alone before
+//! a black wall: what surfaces cost is not shown. Times are those of whole frames, device idle before and after, the fastest of three, or
+//! of as many as begin within two seconds. CPU times are those of all threads of this process (Linux): of a software adapter what a frame
+//! costs whatever else the machine does, and then what the ratios are of. Errors are relative to 64 nodes on each side of a lamp's foot,
+//! as a share of the mean.
 
 use std::time::Instant;
 
@@ -36,6 +38,20 @@ const MOST_FRAMES: usize = 3;
 /// Seconds after which no more begin.
 const ENOUGH_S: f64 = 2.0;
 
+/// Seconds by the clock, and of all threads of this process.
+#[derive(Debug, Clone, Copy)]
+struct Cost {
+    wall: f64,
+    cpu: f64,
+}
+
+/// Seconds that threads of this process ran so far (Linux: proc_pid_schedstat); 0 where it cannot be told.
+fn cpu_seconds() -> f64 {
+    let tasks = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let text = tasks.filter_map(|task| std::fs::read_to_string(task.path().join("schedstat")).ok());
+    text.filter_map(|text| text.split(' ').next()?.parse::<f64>().ok()).sum::<f64>() * 1e-9
+}
+
 struct Bench {
     host: Headless,
     renderer: Renderer,
@@ -44,28 +60,29 @@ struct Bench {
 }
 
 impl Bench {
-    /// Seconds of one frame of a size.
-    fn draw(&mut self, air: AirSettings, size: [u32; 2]) -> f64 {
+    /// What one frame of a size costs.
+    fn draw(&mut self, air: AirSettings, size: [u32; 2]) -> Cost {
         let target = self.host.target(size, wgpu::TextureFormat::Rgba8Unorm).create_view(&Default::default());
         let camera = Camera::look_at(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO);
         let settings = Settings { air, ..Settings::default() };
-        let begin = Instant::now();
+        let (begin, cpu) = (Instant::now(), cpu_seconds());
         self.renderer.draw(&self.model, &camera, &settings, &target, size);
         self.host.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device answers");
-        begin.elapsed().as_secs_f64()
+        Cost { wall: begin.elapsed().as_secs_f64(), cpu: cpu_seconds() - cpu }
     }
 
-    /// Seconds of the fastest frame, and the last one's radiance.
-    fn frame(&mut self, air: AirSettings) -> (f64, Vec<f32>) {
+    /// What the cheapest frame costs, and the last one's radiance.
+    fn frame(&mut self, air: AirSettings) -> (Cost, Vec<f32>) {
         // A small frame makes the shader; one that shows nothing makes the images of the full size.
         self.draw(air, [16, 16]);
         self.draw(AirSettings { method: Method::None, ..air }, self.size);
-        let mut seconds = Vec::new();
-        while seconds.len() < MOST_FRAMES && seconds.iter().sum::<f64>() < ENOUGH_S {
-            let frame = self.draw(air, self.size);
-            seconds.push(frame);
+        let mut costs: Vec<Cost> = Vec::new();
+        while costs.len() < MOST_FRAMES && costs.iter().map(|cost| cost.wall).sum::<f64>() < ENOUGH_S {
+            let cost = self.draw(air, self.size);
+            costs.push(cost);
         }
-        let best = seconds.into_iter().fold(f64::INFINITY, f64::min);
+        let least = |of: fn(&Cost) -> f64| costs.iter().map(of).fold(f64::INFINITY, f64::min);
+        let best = Cost { wall: least(|cost| cost.wall), cpu: least(|cost| cost.cpu) };
         let Headless { device, queue, .. } = &self.host;
         let radiance = self.renderer.radiance().expect("a picture was drawn");
         let bytes = read_texture(device, queue, radiance).expect("the picture comes back");
@@ -92,8 +109,8 @@ fn main() {
         Err(error) => return println!("nothing measured: {error}"),
     };
     println!("adapter: {} ({:?}), size {:?}", host.info.name, host.info.backend, size.unwrap_or([1280, 720]));
-    println!("| lamps | method | nodes or steps | ms | of quadrature 16 | largest error | RMS error |");
-    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    println!("| lamps | method | nodes or steps | ms | CPU ms | of quadrature 16 | largest error | RMS error |");
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
     let renderer = Renderer::new(&host.device, &host.queue, wgpu::TextureFormat::Rgba8Unorm);
     let scene = SceneData { media: vec![haze()], ..SceneData::default() };
     let model = Model::new(&host.device, &host.queue, scene).expect("an empty scene fits");
@@ -119,9 +136,11 @@ fn table(bench: &mut Bench, lamps: usize) {
         (Method::RayMarch, 16),
         (Method::RayMarch, 64),
     ] {
-        let (seconds, picture) = bench.frame(air(method, number, number.max(1)));
+        let (cost, picture) = bench.frame(air(method, number, number.max(1)));
         let (largest, rms) = errors(&picture, &truth);
-        let (name, ms, ratio) = (method.name(), seconds * 1e3, seconds / unit);
-        println!("| {lamps} | {name} | {number} | {ms:.1} | {ratio:.2} | {largest:.1e} | {rms:.1e} |");
+        let (name, ms, cpu) = (method.name(), cost.wall * 1e3, cost.cpu * 1e3);
+        let software = bench.host.info.device_type == wgpu::DeviceType::Cpu && unit.cpu > 0.0;
+        let ratio = if software { cost.cpu / unit.cpu } else { cost.wall / unit.wall };
+        println!("| {lamps} | {name} | {number} | {ms:.1} | {cpu:.1} | {ratio:.2} | {largest:.1e} | {rms:.1e} |");
     }
 }
