@@ -75,6 +75,11 @@ fn a_person_walks_looks_and_closes_and_sees_what_pictures_without_a_window_show(
     window.press(b'1'.into());
     shows(&mut window, "direct light again", &still);
 
+    window.press(b'l'.into());
+    window.until("a lamp that was not baked", |seen| seen.distance(&still) > OTHER);
+    window.press(b'l'.into());
+    shows(&mut window, "the lamp gone", &still);
+
     window.press(b'p'.into());
     let saved = desk.path("room.view.00.png");
     window.until("a saved picture", |_| std::fs::metadata(&saved).is_ok_and(|file| file.len() > 0));
