@@ -95,7 +95,8 @@ impl<'a, 's> PaperPaths<'a, 's> {
             let length = medium.optical_length(&ray);
             for (c, channel) in channels.iter().enumerate() {
                 let own = (medium.scatter.sigma_t()[c] * length) as f32;
-                if own > 0.0 {
+                // Rounding may leave a leg that only touches the air with a length but no depth; nothing comes from air without end.
+                if own > 0.0 && depth[c] > 0.0 && depth[c].is_finite() {
                     for (order, sum) in sums.iter_mut().enumerate() {
                         let found = look_up(channel, order, depth[c] * channel.thinner[order]);
                         sum[c] += found.max(0.0) * own / depth[c];

@@ -9,6 +9,7 @@ use ::tables::TableSet;
 use bake_formats::Term;
 use bake_optics::medium::Bounds;
 use bake_optics::phase::Phase;
+use glam::DVec3;
 use testkit::reference::shared;
 
 fn with_paper<T>(set: &TableSet, scene: &Scene, air: &MediumSet, solve: impl FnOnce(&PaperPaths) -> T) -> T {
@@ -78,4 +79,27 @@ fn open_thin_air_scatters_once_as_in_the_mode_that_samples_it() {
         let (twin, _) = with_paper(TableSet::published(), &scene, &air(1.1e-3), |paths| once(paths, at, 1));
         assert!(!holds(twin), "{twin} against {exact}");
     }
+}
+
+/// Air ends at the ground, so that legs from just above it pass through next to none; or it has no end under a sky.
+#[test]
+fn where_air_ends_or_does_not_light_stays_finite() {
+    let all_finite = |scene: &Scene, bounds: Bounds| {
+        let air = uniform(bounds, 0.05, 0.9, Phase::Isotropic);
+        with_paper(TableSet::published(), scene, &air, |paths| {
+            let gather = |i: u32| {
+                let [x, y, ..] = Sampler::new(i, 1).next4();
+                let start =
+                    path::Vertex { origin: Vec3::new(x, y, 1.2e-5), normal_geom: Vec3::Z, normal_shading: Vec3::Z };
+                paths.gather(&start, &mut Sampler::new(i, 0), &Counters::default())
+            };
+            (0..4096).all(|i| gather(i).terms.iter().all(|term| term.is_finite()))
+        })
+    };
+    let mut ground = scene(vec![quad(Vec3::ZERO, Vec3::X, Vec3::Y, 0)], vec![matte(1.0)]);
+    ground.lights = vec![point_light(Vec3::splat(0.5), 1.0)];
+    let below = |top: f64| Bounds::Box { min: DVec3::splat(-10.0), max: DVec3::new(10.0, 10.0, top) };
+    assert!([0.0, 1e-9, 1e-7, 1e-6].iter().all(|&top| all_finite(&ground, below(top))));
+    ground.environment = Some(Environment { width: 1, height: 1, radiance: vec![Vec3::ONE], rotation: 0.0 });
+    assert!(all_finite(&ground, Bounds::Unbounded));
 }
