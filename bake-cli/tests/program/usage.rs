@@ -84,8 +84,8 @@ fn scenes_that_are_none_are_refused_with_the_next_step() {
         ("run empty/a.glb", ["does not exist", "no .glb or .gltf file"]),
         ("run no/such/folder/a.glb", ["does not exist", "no/such/folder"]),
         ("init room.obj", ["room.obj is no .glb", "export"]),
-        ("sample nope points.csv", ["nope: no bake package here", "bake run"]),
-        ("diff nope room.glb", ["nope: no bake package here", "bake run"]),
+        ("sample nope points.csv", ["nope: no bake package here", "SCENE -o DIR"]),
+        ("diff nope room.glb", ["nope: no bake package here", "SCENE -o DIR"]),
     ] {
         desk.bake(arguments).expect(2, &words);
     }

@@ -149,7 +149,7 @@ fn a_machine_without_any_adapter_is_told_what_to_install() {
 fn nonsense_is_refused_with_the_form_that_is_meant() {
     let desk = Desk::with_room();
     for (arguments, code, words) in [
-        ("view nowhere --screenshot a.png", 1, ["nowhere", "cannot read"]),
+        ("view nowhere --screenshot a.png", 2, ["nowhere", "no bake package here"]),
         ("view room.bake --screenshot a.png --camera 1,2,3", 2, ["'1,2,3'", "EYE:TARGET"]),
         ("view room.bake --screenshot a.png --terms direct,fog", 2, ["'direct,fog'", "direct, indirect"]),
         ("view room.bake --screenshot a.png --air fog", 2, ["'fog'", "quadrature"]),
