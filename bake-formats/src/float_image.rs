@@ -48,6 +48,10 @@ pub enum Quantity {
     Density,
     /// Displacement in the world, metres.
     Offset,
+    /// Distance of surfaces, metres.
+    Distance,
+    /// Its square, metres².
+    SquaredDistance,
 }
 
 impl Quantity {
@@ -58,7 +62,8 @@ impl Quantity {
             Self::IrradianceVariance => "lx^2",
             Self::Radiance | Self::ShRadiance => "cd/m^2",
             Self::Samples | Self::Validity | Self::Density => "1",
-            Self::Offset => "m",
+            Self::Offset | Self::Distance => "m",
+            Self::SquaredDistance => "m^2",
         }
     }
 

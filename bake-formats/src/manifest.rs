@@ -208,6 +208,8 @@ pub struct InstanceRecord {
 pub struct ProbeGrid {
     /// Image of 9 harmonics (fog: 4), of how far each point was moved, and of validity.
     pub file: String,
+    /// Image of how far each point sees, where it was asked for.
+    pub visibility: Option<String>,
     /// Position of point (0, 0, 0), metres.
     pub origin: Vec3,
     /// Distance of neighbours, metres.
@@ -334,7 +336,8 @@ impl Manifest {
         }
         for (name, grid) in [("probes", &self.probes), ("fog_volume", &self.fog_volume)] {
             if let Some(grid) = grid
-                && (self.file(&grid.file).is_none() || grid.count.contains(&0))
+                && (std::iter::once(&grid.file).chain(&grid.visibility).any(|file| self.file(file).is_none())
+                    || grid.count.contains(&0))
             {
                 let found = format!("{} {:?}", grid.file, grid.count);
                 return invalid(name.into(), found, "a listed file of 1+ points");

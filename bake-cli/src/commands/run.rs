@@ -20,6 +20,7 @@ use bake_core::solve::buffers::PageBuffers;
 use bake_core::solve::kept::{self, KeptError};
 use bake_core::solve::lattice::Lattice;
 use bake_core::solve::points::{LatticeLight, LatticeReport};
+use bake_core::solve::visibility;
 use bake_core::solve::{self, Lightmap, LightmapSettings, Solver};
 use bake_core::trace::Tracer;
 use bake_optics::medium::MediumSet;
@@ -188,8 +189,11 @@ fn trace(
         lightmap.cut_paths += light.report.cut_paths;
         Ok(Some(light))
     };
-    let probes = lattice("probes", plan.lattices.probes)?;
+    let mut probes = lattice("probes", plan.lattices.probes)?;
     let fog_volume = lattice("fog volume", plan.lattices.fog_volume)?;
+    if let Some(probes) = probes.as_mut().filter(|_| job.settings.probes.as_ref().is_some_and(|set| set.visibility)) {
+        probes.visibility = Some(stopwatch.time("probes", || visibility::moments(tracer, probes, progress))?);
+    }
     if is_explained {
         progress.stage("explain", 0);
     }

@@ -176,7 +176,9 @@ fn probes_fog_cells_and_the_total_without_air_are_written() {
     let desk = Desk::with_room();
     let small = "--samples 64 --page-size 32 --max-pages 1 --mode walk";
     let fog = "--fog sigma_t=0.5,albedo=0.9";
-    let ended = desk.bake(&format!("run room.glb {small} {fog} --probes 0.5 --fog-volume 1 --keep-vacuum -o fog"));
+    let ended = desk.bake(&format!(
+        "run room.glb {small} {fog} --probes spacing_m=0.5,visibility=true --fog-volume 1 --keep-vacuum -o fog"
+    ));
     ended.expect(0, &[]);
     assert!(ended.out.contains("probes") && ended.out.contains("64 samples each"), "{}", ended.out);
     desk.bake(&format!("run room.glb {small} --keep-vacuum -q -o clear")).expect(0, &[]);
@@ -203,6 +205,22 @@ fn probes_fog_cells_and_the_total_without_air_are_written() {
         assert!(valid.iter().sum::<f32>() > 0.7 * valid.len() as f32, "most of the room is air");
         for (light, valid) in light.iter().zip(valid) {
             assert!(light.iter().all(|c| c.is_finite() && (*c > 0.0) == (*valid == 1.0)), "{light:?} {valid}");
+        }
+        let Some(seen) = &grid.visibility else {
+            assert_eq!(coefficients, 4, "only probes were asked how far they see");
+            continue;
+        };
+        let image = fog.image(seen).expect("readable");
+        assert_eq!((image.width, image.height), (16 * nx * nz, 16 * ny));
+        let [mean, square] = ["distance.Y", "squared_distance.Y"].map(|name| image.channel(name).expect("moments"));
+        let valid = |pixel: usize| {
+            valid[pixel / image.width as usize / 16 * (nx * nz) as usize + pixel % image.width as usize / 16]
+        };
+        for (pixel, (mean, square)) in mean.iter().zip(square).enumerate() {
+            assert!(
+                (*mean > 0.0) == (valid(pixel) == 1.0) && *square >= mean * mean * 0.9999,
+                "{pixel}: {mean} {square}"
+            );
         }
     }
     assert!(clear.manifest.probes.is_none() && clear.manifest.fog_volume.is_none());

@@ -4,8 +4,9 @@ use super::luminance;
 use crate::scene::Environment;
 use crate::solve::buffers::{PageBuffers, Validity};
 use crate::solve::points::LatticeLight;
+use crate::solve::visibility;
 use bake_formats::float_image::{FloatImage, Quantity};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Total irradiance as R, G, B.
 pub(super) fn lightmap(page: &PageBuffers) -> FloatImage {
@@ -62,6 +63,23 @@ pub(super) fn lattice(light: &LatticeLight, coefficients: usize) -> FloatImage {
     let valid = light.places.iter().map(|place| f32::from(place.is_some())).collect();
     image.push("validity.Y", Quantity::Validity, valid);
     image
+}
+
+/// Moments of how far every point sees: the map of the point at pixel (x, y) of [`lattice`] begins at texel (SIZE x, SIZE y).
+pub(super) fn visibility(light: &LatticeLight) -> Option<FloatImage> {
+    let moments = light.visibility.as_ref()?;
+    let [nx, ny, nz] = light.lattice.count.to_array();
+    let (width, height) = (visibility::SIZE * nx * nz, visibility::SIZE * ny);
+    let at = |pixel: u32| {
+        let ([x, y], size) = ([pixel % width, pixel / width], visibility::SIZE);
+        let (point, texel) = (y / size * nx * nz + x / size, y % size * size + x % size);
+        moments[point as usize * visibility::TEXELS + texel as usize]
+    };
+    let tiled: Vec<Vec2> = (0..width * height).map(at).collect();
+    let mut image = FloatImage::new(width, height);
+    image.push("distance.Y", Quantity::Distance, tiled.iter().map(|m| m.x).collect());
+    image.push("squared_distance.Y", Quantity::SquaredDistance, tiled.iter().map(|m| m.y).collect());
+    Some(image)
 }
 
 /// Widest picture of an environment, texels.

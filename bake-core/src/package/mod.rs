@@ -126,8 +126,10 @@ fn write_lattice(
     pixels: PixelFormat,
 ) -> Result<ProbeGrid> {
     let file = writer.add_image(&format!("{kind}.exr"), image, pixels)?;
+    let seen =
+        images::visibility(light).map(|image| writer.add_image(&format!("{kind}.visibility.exr"), &image, pixels));
     let Lattice { origin, spacing, count } = light.lattice;
-    Ok(ProbeGrid { file, origin, spacing, count: count.to_array() })
+    Ok(ProbeGrid { file, visibility: seen.transpose()?, origin, spacing, count: count.to_array() })
 }
 
 /// Records of the media; density grids go into images, in full precision because they are no result.

@@ -5,6 +5,7 @@ use crate::scene::Scene;
 use crate::settings::{Bounds, Settings, SettingsError};
 use crate::solve::grid::region;
 use crate::solve::lattice::{Lattice, MOST_POINTS, WIDEST_IMAGE};
+use crate::solve::visibility;
 use glam::{UVec3, Vec3};
 use serde::Serialize;
 
@@ -38,12 +39,13 @@ impl Lattices {
                 (_, _, Bounds::Box { min, max }) => Lattice::filling((*min).into(), (*max).into(), spacing),
                 _ => Lattice::filling(bounds[0], bounds[1], spacing),
             };
-            lattices.probes = Some(check("probes.spacing_m", spacing, lattice)?);
+            let tile = if probes.visibility { visibility::SIZE } else { 1 };
+            lattices.probes = Some(check("probes.spacing_m", spacing, lattice, tile)?);
         }
         if let Some(volume) = &settings.fog_volume {
             let (min, max) = if air.scatters() { region(&air.media, bounds) } else { (bounds[0], bounds[1]) };
             let spacing = volume.spacing_m.unwrap_or((max - min).max_element().max(1e-3) / USUAL_CELLS);
-            lattices.fog_volume = Some(check("fog_volume.spacing_m", spacing, Lattice::filling(min, max, spacing))?);
+            lattices.fog_volume = Some(check("fog_volume.spacing_m", spacing, Lattice::filling(min, max, spacing), 1)?);
         }
         Ok(lattices)
     }
@@ -54,17 +56,17 @@ impl Lattices {
     }
 }
 
-fn check(key: &str, spacing: f32, lattice: Lattice) -> Result<Lattice, SettingsError> {
-    if lattice.fits() {
+/// Refuses what cannot be stored at `tile` texels across a point.
+fn check(key: &str, spacing: f32, lattice: Lattice, tile: u32) -> Result<Lattice, SettingsError> {
+    if lattice.fits(tile) {
         return Ok(lattice);
     }
     let [x, y, z] = lattice.count.to_array();
+    let (points, across) = (MOST_POINTS / u64::from(tile), WIDEST_IMAGE / u64::from(tile));
     Err(SettingsError::OutOfRange {
         key: key.into(),
         value: format!("{spacing}, which makes {x} × {y} × {z} points"),
-        allowed: format!(
-            "at most {MOST_POINTS} points, and {WIDEST_IMAGE} along x times z: a larger spacing, or a smaller box"
-        ),
+        allowed: format!("at most {points} points, and {across} along x times z: a larger spacing, or a smaller box"),
     })
 }
 
@@ -86,7 +88,7 @@ mod tests {
 
     #[test]
     fn probes_fill_the_scene_or_a_box_or_stand_where_they_are_set() {
-        let spaced = Probes { spacing_m: 1.0, bounds: Bounds::Scene, origin: None, count: None };
+        let spaced = Probes { spacing_m: 1.0, bounds: Bounds::Scene, origin: None, count: None, visibility: false };
         let boxed = Probes { bounds: Bounds::Box { min: [0.0; 3], max: [2.0; 3] }, ..spaced.clone() };
         let by_hand = Probes { origin: Some([9.0; 3]), count: Some([1, 2, 3]), ..spaced.clone() };
         for (probes, origin, count) in [(spaced, 0.5, [4, 2, 3]), (boxed, 0.5, [2, 2, 2]), (by_hand, 9.0, [1, 2, 3])] {
@@ -99,10 +101,23 @@ mod tests {
 
     #[test]
     fn more_probes_than_fit_are_refused() {
-        let probes = Probes { spacing_m: 0.01, bounds: Bounds::Scene, origin: None, count: None };
+        let probes = Probes { spacing_m: 0.01, bounds: Bounds::Scene, origin: None, count: None, visibility: false };
         let settings = Settings { probes: Some(probes), ..Settings::default() };
         let message = lay_out(&settings, &Air::default()).expect_err("24 million").to_string();
         assert!(message.contains("probes.spacing_m") && message.contains("400 × 200 × 300"), "{message}");
+    }
+
+    #[test]
+    fn maps_of_what_probes_see_take_more_room() {
+        let probes =
+            |visibility| Probes { spacing_m: 0.05, bounds: Bounds::Scene, origin: None, count: None, visibility };
+        let lay_out = |visibility| {
+            let settings = Settings { probes: Some(probes(visibility)), ..Settings::default() };
+            lay_out(&settings, &Air::default())
+        };
+        assert!(lay_out(false).is_ok());
+        let message = lay_out(true).expect_err("too wide").to_string();
+        assert!(message.contains("65536 points, and 4096"), "{message}");
     }
 
     #[test]

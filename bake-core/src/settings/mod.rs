@@ -322,6 +322,9 @@ pub struct Probes {
     /// By hand: probes along x, y and z.
     #[serde(default)]
     pub count: Option<[u32; 3]>,
+    /// Whether maps of how far each probe sees are stored.
+    #[serde(default)]
+    pub visibility: bool,
 }
 
 /// A box of cells around the air, with light in their middles.

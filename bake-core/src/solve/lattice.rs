@@ -47,9 +47,10 @@ impl Lattice {
         self.count.as_u64vec3().to_array().into_iter().fold(1, u64::saturating_mul)
     }
 
-    /// Whether it can be solved and stored.
-    pub fn fits(&self) -> bool {
-        self.points() <= MOST_POINTS && u64::from(self.count.x) * u64::from(self.count.z) <= WIDEST_IMAGE
+    /// Whether it can be solved, and stored at `tile` texels across a point.
+    pub fn fits(&self, tile: u32) -> bool {
+        let tile = u64::from(tile);
+        self.points() <= MOST_POINTS / tile && u64::from(self.count.x) * u64::from(self.count.z) <= WIDEST_IMAGE / tile
     }
 
     /// Position of a point. Points are numbered as pixels of their image, row by row: x fastest, then z, then y.
@@ -133,9 +134,9 @@ mod tests {
             let pixel = (ix + 2 * iz) + iy * (2 * 4);
             assert_eq!(lattice.position(pixel as usize), UVec3::new(ix, iy, iz).as_vec3());
         }
-        assert!(lattice.fits());
-        assert!(!Lattice { count: UVec3::splat(u32::MAX), ..lattice }.fits());
-        assert!(!Lattice { count: UVec3::new(1 << 9, 1, 1 << 8), ..lattice }.fits(), "too wide for an image");
+        assert!(lattice.fits(1));
+        assert!(!Lattice { count: UVec3::splat(u32::MAX), ..lattice }.fits(1));
+        assert!(!Lattice { count: UVec3::new(1 << 9, 1, 1 << 8), ..lattice }.fits(1), "too wide for an image");
     }
 
     #[test]

@@ -20,6 +20,7 @@ pub mod kept_size;
 pub mod lattice;
 pub mod media;
 mod noise;
+mod octahedron;
 pub mod path;
 pub mod pilot;
 pub mod points;
@@ -29,6 +30,7 @@ pub mod sphere;
 #[cfg(feature = "media")]
 pub mod tables;
 pub mod texels;
+pub mod visibility;
 pub mod warp;
 mod work;
 

@@ -13,7 +13,7 @@ use super::sphere::{Incident, Sh9};
 use super::work::{self, Work};
 use super::{LUMINANCE, LightmapSettings, REPLICATES};
 use crate::progress::{Interrupted, Progress};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 /// Of lattices, beside those of pages.
@@ -35,6 +35,8 @@ pub struct LatticeLight {
     pub places: Vec<Option<Vec3>>,
     /// Incident radiance, cd/m²; zero where there is no place.
     pub light: Vec<Sh9>,
+    /// How far points see ([`super::visibility::moments`]), where it was asked for.
+    pub visibility: Option<Vec<Vec2>>,
     /// How it went.
     pub report: LatticeReport,
 }
@@ -123,7 +125,7 @@ pub(super) fn solve<M: Media>(
         cut_paths: sums[2],
     };
     let light = estimates.into_iter().map(|estimate| estimate.mean).collect();
-    Ok(LatticeLight { lattice: *lattice, places, light, report })
+    Ok(LatticeLight { lattice: *lattice, places, light, visibility: None, report })
 }
 
 /// See [`LatticeReport::error`].

@@ -6,6 +6,7 @@
 //! bias.
 
 use super::record::{Link, Lobe, Look, Once, Path, Step, Straight, Sunlit, Visit, Way};
+use crate::solve::octahedron::{fold, unfold};
 use crate::solve::path::Vertex;
 use glam::{Vec2, Vec3};
 
@@ -186,7 +187,7 @@ impl Encoder {
     }
 
     fn normal(&mut self, normal: Vec3) {
-        let folded = octahedron(normal);
+        let folded = fold(normal);
         for x in [folded.x, folded.y] {
             self.bytes.extend(((x * NORMAL_STEPS).round() as i16).to_le_bytes());
         }
@@ -346,23 +347,6 @@ fn strengths(visit: &Visit) -> impl Iterator<Item = Vec3> {
 
 fn is_grey(colour: Vec3) -> bool {
     colour.x == colour.y && colour.y == colour.z
-}
-
-/// The sphere unfolded into a square (Meyer et al. 2010, "On floating-point normal vectors").
-fn octahedron(dir: Vec3) -> Vec2 {
-    let p = Vec2::new(dir.x, dir.y) / dir.abs().element_sum().max(f32::MIN_POSITIVE);
-    if dir.z >= 0.0 { p } else { (1.0 - Vec2::new(p.y, p.x).abs()) * sign(p) }
-}
-
-#[inline]
-fn unfold(p: Vec2) -> Vec3 {
-    let z = 1.0 - p.x.abs() - p.y.abs();
-    let p = if z >= 0.0 { p } else { (1.0 - Vec2::new(p.y, p.x).abs()) * sign(p) };
-    Vec3::new(p.x, p.y, z).normalize()
-}
-
-fn sign(p: Vec2) -> Vec2 {
-    Vec2::new(1f32.copysign(p.x), 1f32.copysign(p.y))
 }
 
 #[cfg(test)]
