@@ -65,7 +65,7 @@ impl Default for Recipe {
             grid: Grid { bins: 128, ..Grid::default() },
             read_bins: 256,
             angles: AngleGrid::default(),
-            read_angles: 129,
+            read_angles: 145,
             bands: 11,
             scatter_orders: 10,
             legendre_orders: LEGENDRE_ORDERS,
@@ -117,6 +117,10 @@ impl Recipe {
                 let albedo = self.all_orders_albedo;
                 (!(albedo > 0.0 && albedo <= 1.0))
                     .then(|| format!("all_orders_albedo is {albedo}, allowed is 0 < albedo ≤ 1"))
+            })
+            .or_else(|| {
+                let crowding = self.angles.crowding;
+                (!(0.05..=10.0).contains(&crowding)).then(|| format!("crowding is {crowding}, allowed are 0.05 to 10"))
             })
             .or_else(|| (self.angles.nodes.is_multiple_of(2)).then(|| "angles must be odd".to_owned()))
     }

@@ -161,7 +161,12 @@ fn the_embedded_file_is_what_its_recipe_makes() {
     }
 }
 
-/// The stated errors are bounds at places of the test's own, and no idle ones.
+/// What a table may state at most: once-scattered light of a point and directional light 0.1 % of l = 0, all else 0.3 %.
+fn promised(table: &str) -> f64 {
+    if ["point.single", "directional.single"].contains(&table) { 1e-3 } else { 3e-3 }
+}
+
+/// The stated errors are bounds at places of the test's own, no idle ones, and no larger than promised.
 #[test]
 fn the_embedded_file_errs_by_no_more_than_it_states() {
     let file = TableFile::from_bytes(tables::set::embedded_bytes(), "embedded").expect("the program's own");
@@ -171,7 +176,7 @@ fn the_embedded_file_errs_by_no_more_than_it_states() {
         let mut worst = Worst::new(format!("look-up error of {}, of l = 0", check.table), check.stored);
         worst.record(check.measured, || format!("{count} places"));
         worst.check();
-        assert!(check.holds);
+        assert!(check.holds && check.stored <= promised(&check.table), "{check:?}");
         // A tenth of a bound must fail at any places; at many, all of it is nearly met. (An area's angle goes with the distance and
         // misses what is worst in both.)
         let share = if check.table == "area.single" { 0.4 } else { 0.85 };
