@@ -55,38 +55,52 @@ fn orbit_panel(n: f32, r0: f32, tangent: f32, begin: f32, width: f32) -> f32 {
     return width * sum;
 }
 
-// Twin: Rising::optical_length.
+// Twin: Rising::optical_length. One panel, or three where the air ends within the ray.
 fn climbing_length(n: f32, radius: f32, tangent: f32, length_of_ray: f32) -> f32 {
     let r0 = max(radius, 1.7e-5 / n);
     let passed = min(length_of_ray, orbit_reach(n, r0, tangent, ORBIT_DEPTH));
     let end = orbit_angle(r0, tangent, passed);
-    let lift = exp(clamp(n * (radius - r0), -DARK, 0.0));
-    if end < 1.0 {
-        return lift * orbit_panel(n, r0, tangent, 0.0, end);
+    var borders = vec3f(end);
+    if end >= 1.0 {
+        borders.x = orbit_angle(r0, tangent, min(orbit_reach(n, r0, tangent, 0.02), passed));
+        borders.y = orbit_angle(r0, tangent, min(orbit_reach(n, r0, tangent, 1.0), passed));
     }
-    let first = orbit_angle(r0, tangent, min(orbit_reach(n, r0, tangent, 0.02), passed));
-    let second = orbit_angle(r0, tangent, min(orbit_reach(n, r0, tangent, 1.0), passed));
-    return lift * (orbit_panel(n, r0, tangent, 0.0, first) + orbit_panel(n, r0, tangent, first, second - first) + orbit_panel(n, r0, tangent, second, end - second));
+    var begin = 0.0;
+    var sum = 0.0;
+    for (var i = 0u; i < 3u && begin < end; i++) {
+        sum += orbit_panel(n, r0, tangent, begin, borders[i] - begin);
+        begin = borders[i];
+    }
+    return exp(clamp(n * (radius - r0), -DARK, 0.0)) * sum;
 }
 
-// Twin: planet::optical_length.
+// Twin: planet::optical_length. A ray climbs from one end, or from its lowest place to both.
 fn planet_length(medium: Medium, ray: ViewRay) -> f32 {
     let n = medium.slope;
     let start = orbit_of(medium, ray.origin);
     let from_centre = ray.origin - medium.grid_x.xyz;
     let cosine = clamp(dot(from_centre, ray.dir) / max(start.radius, 1e-20), -1.0, 1.0);
     let perigee = -start.radius * cosine;
-    if perigee <= 0.0 {
-        return planet_density(n, start.altitude) * climbing_length(n, start.radius, -perigee, ray.length);
+    var rise = 0.0;
+    var tangent = -perigee;
+    var low = start.radius;
+    var climbs = vec2f(ray.length, 0.0);
+    if perigee > 0.0 && ray.length <= perigee {
+        rise = orbit_rise(start.radius, ray.length * (ray.length - 2.0 * perigee));
+        tangent = perigee - ray.length;
+        low = start.radius + rise;
+    } else if perigee > 0.0 {
+        let sine = sqrt((1.0 - cosine) * (1.0 + cosine));
+        rise = perigee * cosine / (1.0 + sine);
+        tangent = 0.0;
+        low = start.radius * sine;
+        climbs = vec2f(perigee, ray.length - perigee);
     }
-    if ray.length <= perigee {
-        let rise = orbit_rise(start.radius, ray.length * (ray.length - 2.0 * perigee));
-        return planet_density(n, start.altitude + rise) * climbing_length(n, start.radius + rise, perigee - ray.length, ray.length);
+    var sum = 0.0;
+    for (var i = 0u; i < 2u && climbs[i] > 0.0; i++) {
+        sum += climbing_length(n, low, tangent, climbs[i]);
     }
-    let sine = sqrt((1.0 - cosine) * (1.0 + cosine));
-    let rise = perigee * cosine / (1.0 + sine);
-    let low = start.radius * sine;
-    return planet_density(n, start.altitude + rise) * (climbing_length(n, low, 0.0, perigee) + climbing_length(n, low, 0.0, ray.length - perigee));
+    return planet_density(n, start.altitude + rise) * sum;
 }
 
 // Distance after which a ray from the eye has left the air for good.

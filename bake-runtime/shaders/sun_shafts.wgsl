@@ -19,26 +19,23 @@ fn mapped_span(ray: ViewRay, sun: Sun) -> vec2f {
     return span;
 }
 
+// The integral is called at one place, as in shafts.
 fn sun_airlight_shadowed(ray: ViewRay, sun: Sun) -> vec3f {
-    if sun.shadow == UNSHADOWED {
-        return sun_between(ray, sun, 0.0, ray.length);
-    }
-    let span = mapped_span(ray, sun);
-    if span.x >= span.y {
-        return sun_between(ray, sun, 0.0, ray.length);
-    }
+    var span = vec2f(0.0);
+    if sun.shadow != UNSHADOWED { span = mapped_span(ray, sun); }
     let maps = maps_of_sun(sun);
     let step = (span.y - span.x) / f32(SHAFT_STEPS);
     var sum = vec3f(0.0);
     var begin = 0.0;
     var lit = true;
     var s = span.x;
-    // The last turn leaves the map for the light behind it.
-    for (var i = 0u; i <= SHAFT_STEPS + 1u; i++) {
+    // Behind the steps one turn leaves the map for the light behind it, one closes the ray; without a map there is no other.
+    for (var i = select(SHAFT_STEPS + 2u, 0u, span.x < span.y); i <= SHAFT_STEPS + 2u; i++) {
         let next = min(span.x + step * f32(i), span.y);
-        let next_lit = i > SHAFT_STEPS || is_lit(maps, ray.origin + ray.dir * next);
+        var next_lit = i == SHAFT_STEPS + 1u;
+        if i <= SHAFT_STEPS { next_lit = is_lit(maps, ray.origin + ray.dir * next); }
         if next_lit != lit {
-            var border = next;
+            var border = select(next, ray.length, i > SHAFT_STEPS + 1u);
             if i > 0u && i <= SHAFT_STEPS { border = shadow_border(ray, maps, s, next, lit); }
             if lit { sum += sun_between(ray, sun, begin, border); }
             begin = border;
@@ -46,5 +43,5 @@ fn sun_airlight_shadowed(ray: ViewRay, sun: Sun) -> vec3f {
         }
         s = next;
     }
-    return sum + sun_between(ray, sun, begin, ray.length);
+    return sum;
 }

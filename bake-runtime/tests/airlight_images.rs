@@ -2,7 +2,7 @@
 
 mod common;
 
-use bake_formats::manifest::{LightKind, LightRecord, ProfileRecord};
+use bake_formats::manifest::{EnvironmentRecord, LightKind, LightRecord, ProfileRecord};
 use bake_optics::airlight::{Airlight, MediumAlong, Oracle, Quadrature};
 use bake_optics::emitter::Emitter;
 use bake_optics::medium::grid::DensityGrid;
@@ -397,6 +397,11 @@ fn whole() -> Bounds {
     air([0.0; 3], [0.0; 3], Phase::Isotropic).bounds
 }
 
+/// Whether every kind of shader is made: each takes seconds where processors draw.
+fn is_long() -> bool {
+    std::env::var("BAKE_LONG").is_ok()
+}
+
 /// Random scenes, hard ones among them: the eye in a lamp, a ray straight at one, no air and air as thick as rock.
 ///
 /// Few kinds of shader and many numbers: what a shader holds depends on the kinds of lamps, phases and densities only.
@@ -419,9 +424,7 @@ fn random_scene(random: &mut SmallRng, base: &SceneData, method: Method) -> (Sce
         },
     };
     let scale_height_m = 10f64.powf(random.random_range(-2.0..3.0));
-    // Each of these is a shader of its own, and takes its time to make.
-    let long = std::env::var("BAKE_LONG").is_ok();
-    let any = method == Method::Quadrature || long && method == Method::RayMarch;
+    let any = method == Method::Quadrature || is_long() && method == Method::RayMarch;
     let density = match random.random_range(0..5) {
         0 if !simple => Density::Exponential { base_m: random.random_range(-5.0..5.0), scale_height_m },
         1 if any => {
@@ -451,26 +454,39 @@ fn random_scene(random: &mut SmallRng, base: &SceneData, method: Method) -> (Sce
         kinds.push(LightKind::Spot { position, direction, inner_angle, outer_angle, radius, range, profile });
         kinds.push(LightKind::Directional { direction, angular_radius: 0.0 });
     }
-    let lights = kinds.into_iter().map(|kind| lamp([1.0, 100.0, 1e4], kind)).collect();
-    (SceneData { lights, media: vec![medium], ..base.clone() }, view)
+    let mut lights: Vec<_> = kinds.into_iter().map(|kind| lamp([1.0, 100.0, 1e4], kind)).collect();
+    // Lit surfaces are shaders of their own too.
+    let dynamic_lights = if any && random.random_bool(0.3) { lights.split_off(1) } else { Vec::new() };
+    (SceneData { lights, dynamic_lights, media: vec![medium], ..base.clone() }, view)
+}
+
+/// Air by a method, the lit parts of rays by shadow maps, and a sky that glows; in the long form also without either.
+fn random_settings(random: &mut SmallRng, method: Method) -> Settings {
+    let without = |random: &mut SmallRng| is_long() && random.random_bool(0.5);
+    let sky = [1, 1_000_000][random.random_range(0..2)];
+    let sky_distance_m = if without(random) { None } else { Some(sky) };
+    let air = AirSettings { method, sky_distance_m, shaft_steps: 8, ..AirSettings::default() };
+    Settings { air, shadow_size: if without(random) { None } else { Some(16) }, ..Settings::default() }
 }
 
 #[test]
 fn no_picture_has_a_nan_or_an_infinity() {
     let Some(headless) = headless() else { return };
-    let count = if std::env::var("BAKE_LONG").is_ok() { 10_000 } else { 500 };
+    let count = if is_long() { 10_000 } else { 500 };
     let mut renderer = renderer(&headless);
     let mut random = SmallRng::seed_from_u64(1);
     let size = [4, 4];
     let target = headless.target(size, wgpu::TextureFormat::Rgba8Unorm).create_view(&Default::default());
-    let mut model = Model::new(&headless.device, &headless.queue, wall()).expect("small");
+    let mean_radiance = Vec3::new(1.0, 10.0, 1e4);
+    let environment = Some(EnvironmentRecord { size: [1, 1], rotation: 0.0, mean_radiance, file: None });
+    let scene = SceneData { environment, ..wall() };
+    let mut model = Model::new(&headless.device, &headless.queue, scene).expect("small");
     let base = model.scene.clone();
     for index in 0..count {
         let method = Method::ALL[1 + index % 5];
         let (scene, view) = random_scene(&mut random, &base, method);
         model.scene = scene;
-        let air = AirSettings { method, ..AirSettings::default() };
-        renderer.draw(&model, &view, &Settings { air, ..Settings::default() }, &target, size);
+        renderer.draw(&model, &view, &random_settings(&mut random, method), &target, size);
         let pixels = radiance(&headless, &renderer);
         let bad = pixels.iter().position(|pixel| pixel.iter().any(|v| !v.is_finite() || *v < 0.0));
         if let Some(at) = bad {
