@@ -19,7 +19,7 @@ pub struct Effort {
     pub grids: Vec<[u32; 2]>,
     /// Distances at which tables are read.
     pub bins: Vec<usize>,
-    /// Degrees below which tables are read.
+    /// Degrees below which tables are read, up to 16.
     pub bands: Vec<usize>,
     /// Collisions up to which tables are summed.
     pub orders: Vec<usize>,
@@ -36,7 +36,7 @@ impl Effort {
             targets: vec![0.1, 0.04, 0.02],
             grids: vec![[4, 256], [8, 256], [12, 64], [12, 256], [12, 1024], [16, 256]],
             bins: vec![16, 64, 256],
-            bands: vec![3, 5, 7, 9, 11],
+            bands: vec![3, 5, 7, 9, 11, 13, 15],
             orders: vec![2, 3, 5, 10],
         }
     }
@@ -54,7 +54,7 @@ impl Effort {
                 .flat_map(|cells| [128, 512, 2048].map(|walks| [cells, walks]))
                 .collect(),
             bins: vec![16, 32, 64, 128, 256, 512],
-            bands: vec![3, 5, 7, 9, 11],
+            bands: vec![3, 5, 7, 9, 11, 13, 15],
             orders: vec![2, 3, 5, 10],
         }
     }

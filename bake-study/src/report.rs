@@ -113,14 +113,14 @@ fn section(group: &Group, store: &Store) -> Markup {
     }
 }
 
-/// What the degrees beyond those that a bake reads would gain, as it is recorded.
+/// What an area would gain by harmonics beyond its fourteen, as it is recorded.
 fn bands() -> Markup {
     // Layout, distances, bands, precision, bytes, error, nanoseconds.
     let lines = RECORDED.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let shipped = lines.filter(|line| line[..2] == ["harmonic", "256"] && line[3] == "f16");
     html! {
         p {
-            "Bakes read degrees below 11, of areas and lamps 14 harmonics up to l = 8. The tables alone, an area's irradiance over all receivers, "
+            "What all harmonics of an area would gain: the tables alone, irradiance over all receivers, "
             "RMS, as recorded in " code { "docs/tables.csv" } " by " code { "cargo run --release -p tables --example cost" } ":"
         }
         table {

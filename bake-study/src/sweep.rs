@@ -72,7 +72,7 @@ impl Kind {
             }
             Self::Tables => [
                 "Tables",
-                "Error of mode `tables` by the distances at which they are read, the degrees of their harmonics, and the collisions up to which they are summed. Factors that the mode measures in the scene take most of what is left out on themselves.",
+                "Error of mode `tables` by the distances at which they are read, the bands of their harmonics, and the collisions up to which they are summed. Surfaces and lamps have fourteen harmonics, up to l = 8, by design: from 11 bands on only the light of sky and sun can change. Factors that the mode measures in the scene take most of what is left out on themselves.",
             ],
             Self::Target => [
                 "Error asked for",

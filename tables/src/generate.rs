@@ -16,39 +16,57 @@ pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
 
 /// The tables of a recipe as computed, on the stored grid, in the order of [`NAMES`]. Deterministic.
 pub fn compute_tables(recipe: &Recipe, progress: Progress) -> Vec<Curves> {
-    let Recipe { grid, bands, scatter_orders, all_orders_albedo: albedo, .. } = *recipe;
-    let basis = recipe.basis();
+    let Recipe { grid, scatter_orders, all_orders_albedo: albedo, .. } = *recipe;
     progress(0.0, "sources");
     let sources: Vec<Source> = (1..scatter_orders).map(Source::order).collect();
     let all = Source::all(albedo);
-    let slabs = slab_sources(scatter_orders);
-    let slab_all = SlabSource::all(albedo);
     progress(0.2, "point");
-    let all_point = Shape::POINT_MULTIPLE.all_orders(all.rate);
-    let all_slab = Shape::DIRECTIONAL.all_orders(slab_all.rate);
-    let point_orders: Vec<_> =
-        sources.iter().map(|s| point::store_multiple(grid, Shape::POINT_MULTIPLE, s, 1.0, bands)).collect();
-    let mut tables = vec![
-        point::store_single(grid, &basis, bands),
-        side_by_side(&point_orders),
-        point::store_multiple(grid, all_point, &all, albedo, bands),
-    ];
+    let mut tables = point_tables(recipe, &sources, &all).to_vec();
     progress(0.4, "directional");
-    let slab_orders: Vec<_> =
-        slabs.iter().map(|s| directional::store_multiple(grid, Shape::DIRECTIONAL, s, 1.0, bands)).collect();
-    tables.push(directional::store_single(grid, &basis, bands));
-    tables.push(side_by_side(&slab_orders));
-    tables.push(directional::store_multiple(grid, all_slab, &slab_all, albedo, bands));
+    tables.extend(directional_tables(recipe));
     progress(0.55, "area");
     tables.push(match recipe.layout.criterion() {
-        None => area::store_single(grid, recipe.angles, &basis),
+        None => area::store_single(grid, recipe.angles, &recipe.basis()),
         Some(criterion) => fitted::store_single(grid, criterion),
     });
     progress(0.75, "axial");
+    let all_shape = Shape::POINT_MULTIPLE.all_orders(all.rate);
     tables.push(axial::store_multiple(grid, Shape::POINT_MULTIPLE, &sources, 1.0));
-    tables.push(axial::store_multiple(grid, all_point, &[all], albedo));
+    tables.push(axial::store_multiple(grid, all_shape, &[all], albedo));
     progress(1.0, "done");
     tables
+}
+
+/// Those whose bands the recipe chooses: the first six of [`NAMES`].
+pub(crate) fn zonal_tables(recipe: &Recipe) -> Vec<Curves> {
+    let sources: Vec<Source> = (1..recipe.scatter_orders).map(Source::order).collect();
+    let point = point_tables(recipe, &sources, &Source::all(recipe.all_orders_albedo));
+    point.into_iter().chain(directional_tables(recipe)).collect()
+}
+
+/// Light of a point light: scattered once, by orders from two on, and all of them.
+fn point_tables(recipe: &Recipe, sources: &[Source], all: &Source) -> [Curves; 3] {
+    let Recipe { grid, bands, all_orders_albedo: albedo, .. } = *recipe;
+    let order = |source| point::store_multiple(grid, Shape::POINT_MULTIPLE, source, 1.0, bands);
+    let shape = Shape::POINT_MULTIPLE.all_orders(all.rate);
+    [
+        point::store_single(grid, &recipe.basis(), bands),
+        side_by_side(&sources.iter().map(order).collect::<Vec<_>>()),
+        point::store_multiple(grid, shape, all, albedo, bands),
+    ]
+}
+
+/// Directional light, the same.
+fn directional_tables(recipe: &Recipe) -> [Curves; 3] {
+    let Recipe { grid, bands, all_orders_albedo: albedo, .. } = *recipe;
+    let all = SlabSource::all(albedo);
+    let order = |source| directional::store_multiple(grid, Shape::DIRECTIONAL, source, 1.0, bands);
+    let shape = Shape::DIRECTIONAL.all_orders(all.rate);
+    [
+        directional::store_single(grid, &recipe.basis(), bands),
+        side_by_side(&slab_sources(recipe.scatter_orders).iter().map(order).collect::<Vec<_>>()),
+        directional::store_multiple(grid, shape, &all, albedo, bands),
+    ]
 }
 
 /// Sources of directional orders 2 … `orders`.

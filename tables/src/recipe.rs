@@ -32,6 +32,9 @@ impl Layout {
     }
 }
 
+/// Zonal bands that look-up contracts at most.
+pub const MOST_BANDS: usize = 16;
+
 /// All parameters of a table file.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -109,7 +112,7 @@ impl Recipe {
             .or_else(|| outside("read_bins", self.read_bins, 16, 4096))
             .or_else(|| outside("angles", self.angles.nodes, 9, 257))
             .or_else(|| outside("read_angles", self.read_angles, 9, 257))
-            .or_else(|| outside("bands", self.bands, 3, 16))
+            .or_else(|| outside("bands", self.bands, 3, MOST_BANDS))
             .or_else(|| outside("scatter_orders", self.scatter_orders, 2, 10))
             .or_else(|| outside("legendre_orders", self.legendre_orders, 1, 24))
             .or_else(|| (!range_ok).then(|| format!("range is {min}:{max}, allowed are 1e-4…0.1 : 5…100")))

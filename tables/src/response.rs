@@ -8,11 +8,15 @@ use crate::axial::HARMONIC_COUNT;
 use crate::curves::{Curves, DistanceMap, Grid, Place, Shape};
 use crate::geometry::Geometry;
 use crate::node::{Basis, Node};
+use bake_optics::legendre::legendre_all;
 use std::sync::Arc;
 use wide::f32x4;
 
-/// Degrees whose clamped-cosine coefficient does not vanish, up to 11 bands (and one empty place).
-pub(crate) const IRRADIANCE_DEGREES: [usize; 8] = [0, 1, 2, 4, 6, 8, 10, 12];
+/// Degrees whose clamped-cosine coefficient does not vanish, up to 12 bands.
+pub(crate) const IRRADIANCE_DEGREES: [usize; 7] = [0, 1, 2, 4, 6, 8, 10];
+
+/// The same of 13 to 16 bands.
+const FURTHER_DEGREES: [usize; 2] = [12, 14];
 
 /// Response to an emitter that is symmetric about the line to the receiver: point light, directional light.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,23 +25,30 @@ pub struct ZonalResponse {
     bands: usize,
     point_like: bool,
     radiance: Vec<f32>,
-    /// `A_l sqrt((2l+1)/4π) L_l` for [`IRRADIANCE_DEGREES`].
+    /// `A_l sqrt((2l+1)/4π) L_l` for [`IRRADIANCE_DEGREES`]; the last place is 0.
     irradiance: Vec<[f32x4; 2]>,
+    /// The same for [`FURTHER_DEGREES`]; empty up to 12 bands.
+    further: Vec<[f32; 2]>,
 }
 
 impl ZonalResponse {
     /// From normalised coefficients, rows (limit, nodes, far limit) of `bands` values.
     pub(crate) fn new(grid: &Grid, shape: Shape, bands: usize, radiance: Vec<f32>) -> Self {
-        let cosine = bake_optics::harmonics::clamped_cosine::<f64>(IRRADIANCE_DEGREES[7] + 1);
-        let fold = |row: &[f32]| {
-            let folded = IRRADIANCE_DEGREES.map(|l| {
-                let norm = crate::transport::harmonics::real_norm(l, 0);
-                row.get(l).map_or(0.0, |&c| (cosine[l] * norm * f64::from(c)) as f32)
-            });
-            bytemuck::cast(folded)
+        let cosine = bake_optics::harmonics::clamped_cosine::<f64>(FURTHER_DEGREES[1] + 1);
+        let fold = |row: &[f32], l: usize| {
+            let norm = crate::transport::harmonics::real_norm(l, 0);
+            row.get(l).map_or(0.0, |&c| (cosine[l] * norm * f64::from(c)) as f32)
         };
-        let irradiance = radiance.chunks_exact(bands).map(fold).collect();
-        Self { map: DistanceMap::new(grid, shape), bands, point_like: shape.inverse_distance, radiance, irradiance }
+        let first = |row: &[f32]| -> [f32x4; 2] {
+            let mut places = [0.0; 8];
+            places.iter_mut().zip(IRRADIANCE_DEGREES).for_each(|(place, l)| *place = fold(row, l));
+            bytemuck::cast(places)
+        };
+        let irradiance = radiance.chunks_exact(bands).map(first).collect();
+        let rows = radiance.chunks_exact(bands).filter(|_| bands > FURTHER_DEGREES[0]);
+        let further = rows.map(|row| FURTHER_DEGREES.map(|l| fold(row, l))).collect();
+        let (map, point_like) = (DistanceMap::new(grid, shape), shape.inverse_distance);
+        Self { map, bands, point_like, radiance, irradiance, further }
     }
 
     /// Irradiance (W/m²) on a surface at `distance_m` whose normal makes an angle of cosine `cos_receiver` with the direction to
@@ -46,7 +57,8 @@ impl ZonalResponse {
     pub fn irradiance(&self, sigma_t: f32, distance_m: f32, cos_receiver: f32) -> f32 {
         let place = self.map.place(sigma_t * distance_m);
         let sums = self.partial_sums(place.row, place.fraction, &even_legendre(cos_receiver));
-        self.strength(sigma_t, &place) * sums.reduce_add()
+        let further = self.further(place.row, place.fraction, cos_receiver);
+        self.strength(sigma_t, &place) * (sums.reduce_add() + further)
     }
 
     /// Four parts of the normalised irradiance.
@@ -55,6 +67,15 @@ impl ZonalResponse {
         let rows = &self.irradiance[row..row + 2];
         let part = |i: usize| legendre[i] * (rows[0][i] + (rows[1][i] - rows[0][i]) * fraction);
         part(0) + part(1)
+    }
+
+    /// What [`FURTHER_DEGREES`] add to the normalised irradiance; 0 up to 12 bands.
+    #[inline]
+    pub(crate) fn further(&self, row: usize, fraction: f32, cos_receiver: f32) -> f32 {
+        let Some([low, high]) = self.further.get(row..row + 2) else { return 0.0 };
+        let mut p = [0.0f32; FURTHER_DEGREES[1] + 1];
+        legendre_all(cos_receiver, &mut p);
+        (0..2).map(|i| p[FURTHER_DEGREES[i]] * (low[i] + fraction * (high[i] - low[i]))).sum()
     }
 
     /// Zonal coefficients of the incident radiance about the direction to the emitter, units as above; length `bands`.
@@ -88,7 +109,7 @@ impl ZonalResponse {
     }
 }
 
-/// P_l(c) for [`IRRADIANCE_DEGREES`]; 0 in the empty place.
+/// P_l(c) for [`IRRADIANCE_DEGREES`]; 0 in the last place.
 #[inline]
 pub(crate) fn even_legendre(c: f32) -> [f32x4; 2] {
     let s = c * c;

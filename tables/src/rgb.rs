@@ -75,7 +75,9 @@ impl ZonalRgb {
         let [a, b, c] = &self.channels;
         let sums = [a.partial_sums(i, u, &legendre), b.partial_sums(j, v, &legendre), c.partial_sums(k, w, &legendre)];
         let power = if self.channels[0].is_point_like() { sigma * sigma } else { f32x4::ONE };
-        three(power * scale * reduce(sums))
+        let further =
+            lanes([a.further(i, u, cos_receiver), b.further(j, v, cos_receiver), c.further(k, w, cos_receiver)]);
+        three(power * scale * (reduce(sums) + further))
     }
 }
 

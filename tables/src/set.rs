@@ -7,8 +7,8 @@ use bake_formats::table_file::{TableFile, TableFileError};
 use crate::axial::{ALL_DEGREES, HARMONIC_COUNT, HARMONICS};
 use crate::curves::{Curves, Shape};
 use crate::fitted::Criterion;
-use crate::recipe::{Layout, Recipe};
-use crate::{axial, directional, fitted, point, resample};
+use crate::recipe::{Layout, MOST_BANDS, Recipe};
+use crate::{axial, directional, fitted, generate, point, resample};
 
 /// The tables that every file holds, in file order.
 pub const NAMES: [&str; 9] = [
@@ -49,6 +49,23 @@ impl TableSet {
         SET.get_or_init(|| {
             let file = TableFile::from_bytes(EMBEDDED, "embedded tables").expect("checked by the tests of this crate");
             Self::from_file(&file).expect("checked by the tests of this crate")
+        })
+    }
+
+    /// A set with at least so many zonal bands: that of the program up to its 11; beyond, the same with 16 bands of point and directional
+    /// light. Those are made when they are first asked for, which takes some seconds of one processor. Areas and lamps keep their
+    /// fourteen harmonics, l ≤ 8.
+    pub fn with_bands(bands: usize) -> &'static Self {
+        static WIDE: OnceLock<TableSet> = OnceLock::new();
+        if bands <= Self::embedded().recipe.bands {
+            return Self::embedded();
+        }
+        WIDE.get_or_init(|| {
+            let recipe = Recipe { bands: MOST_BANDS, ..Self::embedded().recipe };
+            let zonal = generate::zonal_tables(&recipe);
+            let mut tables: Vec<_> = zonal.iter().map(|t| resample::distances(t, recipe.read_grid())).collect();
+            tables.extend_from_slice(&Self::embedded().tables[tables.len()..]);
+            Self { recipe, tables }
         })
     }
 

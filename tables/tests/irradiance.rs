@@ -37,29 +37,51 @@ fn truncated(coefficients: &[f64], eta: f64) -> f64 {
     coefficients.iter().zip(y).zip(cosine).map(|((c, y), a)| a * c * y).sum()
 }
 
-/// The truncation table of the method's specification; its figures have two digits.
+/// Specified error of irradiance by bands, of that of a receiver that faces the light; figures of one or two digits.
+const TRUNCATION: [(f64, [f64; 5]); 4] = [
+    (0.1, [2.1e-2, 7.2e-3, 3.9e-3, 1.6e-3, 9e-4]),
+    (1.0, [2.7e-2, 1.0e-2, 5.5e-3, 2.4e-3, 1.3e-3]),
+    (3.0, [3.3e-2, 1.3e-2, 7.6e-3, 3.4e-3, 1.9e-3]),
+    (10.0, [4.0e-2, 1.9e-2, 1.1e-2, 5.4e-3, 3.2e-3]),
+];
+
+const BANDS: [usize; 5] = [3, 5, 7, 11, 15];
+
+/// Largest error over all receivers of an irradiance by the angle from the light, of the facing one.
+fn largest_error(d: f64, irradiance: impl Fn(f64) -> f64) -> f64 {
+    let facing = exact_point(d, 0.0);
+    let error = |degrees: i32| {
+        let eta = f64::from(degrees).to_radians();
+        (irradiance(eta) - exact_point(d, eta)).abs() / facing
+    };
+    (0..=180).step_by(5).map(error).fold(0.0, f64::max)
+}
+
 #[test]
 fn the_error_falls_with_the_bands_as_specified() {
-    let mut worst = Worst::new("error of irradiance against bands, of the specified figure", 0.1);
-    for (d, figures) in [
-        (0.1, [2.1e-2, 7.2e-3, 3.9e-3, 1.6e-3]),
-        (1.0, [2.7e-2, 1.0e-2, 5.5e-3, 2.4e-3]),
-        (3.0, [3.3e-2, 1.3e-2, 7.6e-3, 3.4e-3]),
-        (10.0, [4.0e-2, 1.9e-2, 1.1e-2, 5.4e-3]),
-    ] {
+    let mut direct = Worst::new("error of irradiance against bands, of the specified figure", 0.1);
+    let mut read = Worst::new("the same through look-up", 0.1);
+    let air = Air::isotropic(1.0);
+    let light = |bands: usize| TableSet::with_bands(bands).reduced(256, bands).point(&air, Scatter::Single);
+    let responses = BANDS.map(light);
+    for (d, figures) in TRUNCATION {
         let all = &point::compute_single(d, &ISOTROPIC, 15)[0];
-        let facing = exact_point(d, 0.0);
-        for (bands, figure) in [3, 5, 7, 11].into_iter().zip(figures) {
-            let error = |degrees: i32| {
-                let eta = f64::from(degrees).to_radians();
-                (truncated(&all[..bands], eta) - exact_point(d, eta)).abs() / facing
-            };
-            let error = (0..=180).step_by(5).map(error).fold(0.0, f64::max);
-            println!("d {d} bands {bands}: {error:.2e}");
-            worst.relative(error, figure, || format!("d {d} bands {bands}: {error:.2e}"));
+        for ((bands, response), figure) in BANDS.into_iter().zip(&responses).zip(figures) {
+            let of = |error: f64| (error / figure - 1.0).abs();
+            let (exact, looked_up) = (
+                largest_error(d, |eta| truncated(&all[..bands], eta)),
+                largest_error(d, |eta| f64::from(response.irradiance(1.0, d as f32, eta.cos() as f32)) * d * d.exp()),
+            );
+            println!("d {d} bands {bands}: {exact:.2e}, looked up {looked_up:.2e}");
+            direct.record(of(exact), || format!("d {d} bands {bands}: {exact:.2e}"));
+            read.record(of(looked_up), || format!("d {d} bands {bands}: {looked_up:.2e}"));
         }
     }
-    worst.check();
+    direct.check();
+    read.check();
+    // Negative control: eleven bands are not fifteen.
+    let eleven = largest_error(1.0, |eta| f64::from(responses[3].irradiance(1.0, 1.0, eta.cos() as f32)) * 1f64.exp());
+    assert!(eleven > 1.5 * TRUNCATION[1].1[4], "{eleven}");
 }
 
 /// Real SH that the clamped cosine sees, up to degree 20: what is beyond weighs less than 1e-3.

@@ -9,7 +9,8 @@ use tables::transport::phase_basis::PhaseBasis;
 use tables::transport::slab::SlabSource;
 use tables::transport::sources::Source;
 use tables::{
-    Air, Geometry, Layout, Recipe, Scatter, TableSet, ZonalResponse, accuracy, area, axial, directional, point,
+    Air, Geometry, Layout, Recipe, Scatter, TableSet, ZonalResponse, ZonalRgb, accuracy, area, axial, directional,
+    point,
 };
 use testkit::compare::Worst;
 use testkit::reference::{self, Row};
@@ -182,6 +183,53 @@ fn the_embedded_file_errs_by_no_more_than_it_states() {
         let share = if check.table == "area.single" { 0.4 } else { 0.85 };
         assert!(check.measured > if long { share } else { 0.1 } * check.stored, "{check:?}");
     }
+}
+
+/// A file of fifteen bands is written and read; its irradiance is the sum of all of them, one light or three at a time.
+#[test]
+fn a_file_of_fifteen_bands_comes_back_and_all_of_them_count() {
+    let recipe = Recipe {
+        bands: 15,
+        grid: Grid { bins: 24, ..Grid::default() },
+        read_bins: 128,
+        angles: area::AngleGrid { nodes: 9, ..area::AngleGrid::default() },
+        scatter_orders: 2,
+        ..Recipe::default()
+    };
+    let file = tables::generate::to_file(&recipe, &tables::generate::compute_tables(&recipe, &|_, _| ()));
+    let set = TableSet::from_file(&TableFile::from_bytes(&file.to_bytes(), "memory").expect("whole")).expect("whole");
+    let mut sums = Worst::new("irradiance against the sum of fifteen bands, of that facing", 1e-6);
+    let mut degrees = Worst::new("coefficients of l = 11 … 14 against direct evaluation, of l = 0", 1e-3);
+    let (air, cosine) = (hg(0.5), bake_optics::harmonics::clamped_cosine::<f64>(15));
+    let mut missed = 0.0f64;
+    for response in [set.point(&air, Scatter::Single), set.directional(&air, Scatter::Single)] {
+        let rgb = ZonalRgb::new([0; 3].map(|_| response.clone()));
+        for d in [0.02f32, 0.7, 5.0] {
+            let mut c = [0.0f32; 15];
+            response.coefficients(1.0, d, &mut c);
+            let sum = |eta: f64, bands: usize| -> f64 {
+                let mut y = [0.0; 15];
+                bake_optics::harmonics::y_zonal_all(eta.cos(), &mut y);
+                (0..bands).map(|l| cosine[l] * f64::from(c[l]) * y[l]).sum()
+            };
+            for eta in (0..=180).step_by(15).map(|degrees| f64::from(degrees).to_radians()) {
+                let (one, three) = (eta.cos() as f32, rgb.irradiance([1.0; 3], d, eta.cos() as f32));
+                for got in [response.irradiance(1.0, d, one), three[2]] {
+                    sums.record((f64::from(got) - sum(eta, 15)).abs() / sum(0.0, 15), || format!("d {d} eta {eta:.2}"));
+                }
+                missed = missed.max((sum(eta, 11) / sum(0.0, 15) - sum(eta, 15) / sum(0.0, 15)).abs());
+            }
+        }
+    }
+    let want = &point::compute_single(0.7, &PhaseBasis::Functions(vec![air.phase.clone()]), 15)[0];
+    let mut got = [0.0f32; 15];
+    set.point(&air, Scatter::Single).coefficients(1.0, 0.7, &mut got);
+    for l in 11..15 {
+        degrees.record((f64::from(got[l]) * 0.7 * 0.7f64.exp() - want[l]).abs() / want[0], || format!("l {l}"));
+    }
+    sums.check();
+    degrees.check();
+    assert!(missed > 1e-4, "the bands beyond eleven must matter: {missed}");
 }
 
 /// The published layout through its file and both look-ups: close to the harmonics where an axis fits, far where it does not.

@@ -104,7 +104,7 @@ pub struct Effort {
     pub rays: u32,
     /// Distances at which tables are read, at least 16.
     pub bins: usize,
-    /// Degrees l below which tables are read.
+    /// Degrees l below which tables are read, up to 16; areas and lamps hold none above 8.
     pub bands: usize,
     /// Collisions up to which tables are summed, of 2, 3, 5 and 10; `None` takes what the scene is nearest to.
     pub orders: Option<usize>,

@@ -58,7 +58,7 @@ pub struct Sight<'l> {
 impl<'a> Responses<'a> {
     /// Prepares the tables for the media of `air` and the shapes of `lights`, as fine as `effort` says.
     pub fn new(air: &'a Tabled<'a>, lights: &[Light], effort: &Effort) -> Self {
-        let whole = TableSet::embedded();
+        let whole = TableSet::with_bands(effort.bands);
         let is_whole = (effort.bins, effort.bands) == (whole.recipe().read_bins, whole.recipe().bands);
         let reduced = (!is_whole).then(|| whole.reduced(effort.bins, effort.bands));
         let set = reduced.as_ref().unwrap_or(whole);
