@@ -2,9 +2,10 @@
 //! the bound that the plan states, and with the seconds that it saves.
 //!
 //! The quantity is the plan's own: mean over lightmapped texels of |E − E'| over the median texel irradiance, in
-//! luminance. Walks of different seeds give E and E'. With independent noise of known size, E[|δ + noise|] lies between
-//! |δ| and |δ| + E[|noise|], so that the measured mean M tells the true change to lie between M − chance and M, where
-//! chance = mean(sqrt(2/π (σ² + σ'²))) over the median.
+//! luminance. Walks of the same seed give E and E': what both draw alike cancels, so that changes far below the noise can be
+//! told. Whatever noise is left, E[|δ + noise|] lies between |δ| and |δ| + E[|noise|], so that the measured mean M tells the
+//! true change to lie between M − chance and M, where chance = mean(sqrt(2/π) (σ + σ')) over the median: the most that
+//! noise of these deviations makes, however the two go together.
 
 use crate::error::StudyError;
 use crate::measure::{Baked, Page};
@@ -75,11 +76,11 @@ impl Left {
     pub fn text(&self) -> String {
         let [bound, least, most] =
             [self.bound, self.at_least, self.at_most].map(|share| format!("{:.3} %", 100.0 * share));
-        let planned = if self.planned { "on" } else { "off" };
+        let planned = if self.planned { "on" } else { "left out" };
         let verdict = self.verdict().name();
-        let saved = 100.0 * (1.0 - self.seconds_without / self.seconds_with);
+        let (with, without) = (self.seconds_with, self.seconds_without);
         format!(
-            "{:<14} {planned:<4} bound {bound:>12}  change {least:>9} to {most:>9}  {verdict:<7} {saved:+.0} % saved",
+            "{:<14} {planned:<8} bound {bound:>12}  change {least:>9} to {most:>9}  {verdict:<7} {with:.2} s, without {without:.2} s",
             self.effect
         )
     }
@@ -112,14 +113,14 @@ pub fn run(study: &Study, progress: &dyn Progress, tell: &dyn Fn(&str)) -> Resul
     let planned = experiment.plan(&|_| None)?;
     let mut all = known_before(&table, &key)?;
     let with = experiment.with_all(&key, all.first())?;
-    for (number, &(name, effect)) in (1..).zip(&EffectName::ALL) {
+    for &(name, effect) in &EffectName::ALL {
         let Some(known) = planned.effects.iter().find(|known| known.name == name && known.bound > 0.0) else {
             continue;
         };
         if all.iter().any(|left| left.effect == name) {
             continue;
         }
-        let without = experiment.bake(&experiment.plan(&|other| Some(other != effect))?, number)?;
+        let without = experiment.bake(&experiment.plan(&|other| Some(other != effect))?)?;
         let left = left(&key, known, is_on(&planned.effects, effect), &with, &without.into());
         tell(&left.text());
         all.push(left);
@@ -176,16 +177,14 @@ impl Experiment<'_> {
             let pages = paths.iter().map(|path| store::read_page(path)).collect::<Result<_, _>>()?;
             return Ok(Measured { pages, seconds: left.seconds_with });
         }
-        let measured = Measured::from(self.bake(&self.plan(&|_| Some(true))?, 0)?);
+        let measured = Measured::from(self.bake(&self.plan(&|_| Some(true))?)?);
         paths.iter().zip(&measured.pages).try_for_each(|(path, page)| store::write_page(path, page))?;
         Ok(measured)
     }
 
-    fn bake(&self, plan: &Plan, number: u32) -> Result<Baked, Interrupted> {
-        let mut settings = plan.solver.clone();
-        settings.seed = settings.seed.wrapping_add(number);
+    fn bake(&self, plan: &Plan) -> Result<Baked, Interrupted> {
         let start = self.study.clock.start();
-        let solver = Solver::prepare(&self.tracer, &plan.simulated.media, &settings, self.progress)?;
+        let solver = Solver::prepare(&self.tracer, &plan.simulated.media, &plan.solver, self.progress)?;
         let prepare_seconds = start.seconds();
         let lightmap = solver.lightmap(&self.job.atlas, self.progress)?;
         Ok(Baked { lightmap, prepare_seconds, seconds: start.seconds() })
@@ -214,8 +213,8 @@ fn change(with: &[Page], without: &[Page]) -> (f64, f64) {
         for at in (0..a.valid.len()).filter(|&at| a.valid[at] && b.valid[at]) {
             levels.push(luminance(a.total[at]));
             changes += luminance((a.total[at] - b.total[at]).abs());
-            let variance = (a.variance[at] + b.variance[at]).max(Vec3::ZERO);
-            chances += (2.0 / PI).sqrt() * luminance(variance.map(f32::sqrt));
+            let deviation = |page: &Page| page.variance[at].max(Vec3::ZERO).map(f32::sqrt);
+            chances += (2.0 / PI).sqrt() * luminance(deviation(a) + deviation(b));
         }
     }
     levels.sort_by(f64::total_cmp);

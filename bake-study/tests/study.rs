@@ -4,7 +4,7 @@
 use bake_core::progress::{Progress, Silent};
 use bake_core::settings::{Bounds, Density, Medium, Mode, Phase, Quality, Scatter, Settings};
 use bake_study::clock::Clock;
-use bake_study::effects::Left;
+use bake_study::effects::{Left, Verdict};
 use bake_study::effort::Effort;
 use bake_study::summary::Summary;
 use bake_study::sweep::Kind;
@@ -22,15 +22,16 @@ fn effort() -> Effort {
         targets: vec![0.2],
         grids: vec![[3, 16]],
         bins: vec![256],
-        bands: vec![3],
+        bands: vec![3, 15],
         orders: vec![],
     }
 }
 
-fn study(folder: &Path, fog: bool) -> Study {
-    let scatter = Scatter::Sigma { s: [0.4; 3], a: [0.05; 3] };
+const FOG: Option<Scatter> = Some(Scatter::Sigma { s: [0.4; 3], a: [0.05; 3] });
+
+fn study(folder: &Path, air: Option<Scatter>) -> Study {
     let (bounds, density, phase) = (Bounds::Scene, Density::Uniform, Phase::Isotropic);
-    let media = fog.then(|| vec![Medium { name: "fog".into(), bounds, density, scatter, phase }]);
+    let media = air.map(|scatter| vec![Medium { name: "fog".into(), bounds, density, scatter, phase }]);
     let settings = Settings { media, mode: Mode::Walk, quality: Quality::Preview, ..Settings::default() };
     Study {
         file: scenes::folder().join("cornell.glb"),
@@ -68,7 +69,7 @@ impl Progress for Impatient {
 #[test]
 fn a_study_of_fog_repeats_and_goes_on_where_it_was() {
     let folders = [0, 1].map(|_| tempfile::tempdir().expect("a folder"));
-    let [once, pieces] = folders.each_ref().map(|folder| study(folder.path(), true));
+    let [once, pieces] = folders.each_ref().map(|folder| study(folder.path(), FOG));
     let summary = whole(&once);
     let mut kept = 0;
     for patience in [100, 700, 1500] {
@@ -109,7 +110,7 @@ fn assert_fewer_collisions_are_darker(folder: &Path) {
 #[test]
 fn a_study_without_air_tells_wrong_from_right_and_one_seed_from_another() {
     let folder = tempfile::tempdir().expect("a folder");
-    let study = study(folder.path(), false);
+    let study = study(folder.path(), None);
     assert_honest(&whole(&study), 1);
     assert_page(&study.folder, 4);
     let points = numbers(&study.folder).len();
@@ -121,7 +122,7 @@ fn a_study_without_air_tells_wrong_from_right_and_one_seed_from_another() {
 #[test]
 fn effects_left_out_go_on_where_they_were() {
     let folders = [0, 1].map(|_| tempfile::tempdir().expect("a folder"));
-    let [once, pieces] = folders.each_ref().map(|folder| study(folder.path(), true));
+    let [once, pieces] = folders.each_ref().map(|folder| study(folder.path(), FOG));
     let numbers = |all: &[Left]| all.iter().map(|left| (left.effect.clone(), left.at_most)).collect::<Vec<_>>();
     let whole = effects::run(&once, &Silent, &|_| ()).expect("the scene is sound");
     let told = AtomicU32::new(0);
@@ -135,6 +136,30 @@ fn effects_left_out_go_on_where_they_were() {
     assert_eq!(numbers(&whole), numbers(&gone_on));
     assert_eq!(told.load(Ordering::Relaxed) as usize, whole.len(), "each is measured once");
     effects::run(&pieces, &Silent, &|line| panic!("measured again: {line}")).expect("all is there");
+}
+
+/// Thin air with a touch of blue: what the plan leaves out changes less than its bound says, and a bound that is too low is told.
+#[test]
+fn what_the_plan_leaves_out_of_thin_air_keeps_to_its_bound() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let thin = Scatter::Sigma { s: [1e-3, 1e-3, 1.0005e-3], a: [5e-6; 3] };
+    let study = study(folder.path(), Some(thin));
+    let all = effects::run(&study, &Silent, &|_| ()).expect("the scene is sound");
+    println!("{}", effects::text(&all));
+    let left_out: Vec<_> = all.iter().filter(|left| !left.planned).collect();
+    let names: Vec<_> = left_out.iter().map(|left| left.effect.as_str()).collect();
+    assert!(["absorption", "colour", "multiple"].iter().all(|name| names.contains(name)), "{names:?}");
+    for left in &left_out {
+        assert_eq!(left.verdict(), Verdict::Holds, "{}", left.text());
+        assert!(left.why.contains("left out") && left.bound < f64::from(study.settings.tolerance), "{left:?}");
+        assert!(left.seconds_with > 0.0 && left.text().contains(&format!("without {:.2} s", left.seconds_without)));
+    }
+    // What it keeps matters, and would not pass for less.
+    let kept = all.iter().find(|left| left.effect == "indirect").expect("walls are lit");
+    assert!(kept.planned && kept.at_least > 0.05, "{kept:?}");
+    assert_eq!(effects::Left { bound: 0.5 * kept.at_least, ..kept.clone() }.verdict(), Verdict::Broken);
+    let page = std::fs::read_to_string(folder.path().join("effects.html")).expect("written");
+    assert_eq!(page.matches("<td>left out</td>").count(), left_out.len());
 }
 
 /// What is wrong on purpose shows as bias, honest walks do not.

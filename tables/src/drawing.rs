@@ -2,7 +2,11 @@
 
 use std::fmt::Write;
 
+use crate::area;
+use crate::axial::{self, ALL_DEGREES, HARMONICS};
 use crate::curves::Curves;
+use crate::fitted;
+use crate::set::TableSet;
 
 /// Size of the picture, pixels.
 const SIZE: (f64, f64) = (760.0, 460.0);
@@ -11,13 +15,53 @@ const MARGIN: (f64, f64, f64, f64) = (64.0, 70.0, 34.0, 46.0);
 /// Decades of the vertical axis.
 const DECADES: f64 = 8.0;
 
-/// The first `columns` columns of a table against canonical distance, both axes logarithmic; dark red is l = 0, blue the last.
-/// Negative values are drawn dashed.
-pub fn draw(curves: &Curves, columns: usize, title: &str) -> String {
+/// Angle θ at which an area is drawn, of cosine ½.
+const COSINE: f64 = 0.5;
+
+/// One of a set's tables against canonical distance, both axes logarithmic: its first function of the phase (isotropic in the default
+/// layout) or its first order. Panics on a name that is none of [`crate::set::NAMES`].
+pub fn draw(set: &TableSet, name: &str) -> String {
+    let (what, columns) = chosen(set, name);
+    picture(set.table(name), &columns, &format!("{name}, {what}"))
+}
+
+/// What of a table is drawn, in words; the columns and their labels.
+fn chosen(set: &TableSet, name: &str) -> (String, Vec<(usize, String)>) {
+    let recipe = set.recipe();
+    let harmonic = |h: usize| format!("{},{}", HARMONICS[h].0, HARMONICS[h].1);
+    match (name, recipe.layout.criterion()) {
+        ("area.single", None) => {
+            let node = recipe.angles.index(COSINE).round();
+            let degrees = recipe.angles.cosine(node).acos().to_degrees();
+            let at = |h| (area::column(&recipe.angles, 0, node as usize, h), harmonic(h));
+            (format!("l,m divided by sin^m, {degrees:.0}° from its normal"), (0..HARMONICS.len()).map(at).collect())
+        }
+        ("area.single", Some(_)) => {
+            let angle = fitted::index(COSINE.acos()).round();
+            let at = |l| (fitted::column(0, angle as usize, l), format!("l = {l}"));
+            let degrees = fitted::theta(angle).to_degrees();
+            (
+                format!("about the fitted axis, {degrees:.0}° from its normal, g = −0.5"),
+                (0..fitted::BANDS).map(at).collect(),
+            )
+        }
+        ("axial.orders" | "axial.all", _) => {
+            let curves = axial::curves(&ALL_DEGREES);
+            let lowest = |h: usize| {
+                let column = curves.iter().position(|&(of, degree)| of == h && degree == HARMONICS[h].1);
+                (column.expect("every harmonic has its lowest degree"), harmonic(h))
+            };
+            ("l,m of the emitter's degree l' = m".to_owned(), (0..HARMONICS.len()).map(lowest).collect())
+        }
+        _ => ("zonal".to_owned(), (0..recipe.bands).map(|l| (l, format!("l = {l}"))).collect()),
+    }
+}
+
+/// Columns of a table; dark red the first, blue the last. Negative values are drawn dashed.
+fn picture(curves: &Curves, columns: &[(usize, String)], title: &str) -> String {
     let distances = curves.grid.distances();
-    let columns = columns.min(curves.columns);
     let value = |i: usize, column: usize| f64::from(curves.row(i + 1)[column]) * curves.shape.scale(distances[i]);
-    let largest = (0..distances.len()).map(|i| value(i, 0).abs()).fold(f64::MIN_POSITIVE, f64::max);
+    let largest = (0..distances.len()).map(|i| value(i, columns[0].0).abs()).fold(f64::MIN_POSITIVE, f64::max);
     let top = largest.log10().ceil();
     let x = |d: f64| {
         let share = (d / curves.grid.min).ln() / (curves.grid.max / curves.grid.min).ln();
@@ -25,16 +69,12 @@ pub fn draw(curves: &Curves, columns: usize, title: &str) -> String {
     };
     let y = |exponent: f64| MARGIN.2 + (top - exponent) / DECADES * (SIZE.1 - MARGIN.2 - MARGIN.3);
     let mut svg = frame(title, top, curves.grid.min, curves.grid.max, &x, &y);
-    for column in (0..columns).rev() {
-        let points = (0..distances.len()).map(|i| (distances[i], value(i, column)));
-        curve(&mut svg, points, top, &x, &y, &colour(column, columns));
-        let _ = writeln!(
-            svg,
-            r#"<text x="{:.0}" y="{:.0}" fill="{}" font-size="11">l = {column}</text>"#,
-            SIZE.0 - MARGIN.1 + 12.0,
-            MARGIN.2 + 14.0 * (column + 1) as f64,
-            colour(column, columns)
-        );
+    for (i, (column, label)) in columns.iter().enumerate().rev() {
+        let (points, colour) =
+            ((0..distances.len()).map(|i| (distances[i], value(i, *column))), colour(i, columns.len()));
+        curve(&mut svg, points, top, &x, &y, &colour);
+        let (x, y) = (SIZE.0 - MARGIN.1 + 12.0, MARGIN.2 + 14.0 * (i + 1) as f64);
+        let _ = writeln!(svg, r#"<text x="{x:.0}" y="{y:.0}" fill="{colour}" font-size="11">{label}</text>"#);
     }
     svg.push_str("</svg>\n");
     svg
@@ -112,9 +152,28 @@ mod tests {
     fn every_coefficient_that_is_not_zero_has_a_curve_and_signs_show() {
         let curves =
             Curves::store(Grid { bins: 16, ..Grid::default() }, Shape::POINT_SINGLE, 3, |_| vec![1.0, -0.5, 0.0]);
-        let svg = draw(&curves, 3, "test");
+        let columns: Vec<_> = (0..3).map(|l| (l, format!("l = {l}"))).collect();
+        let svg = picture(&curves, &columns, "test");
         assert_eq!(svg.matches("stroke-width").count(), 2, "two curves, none for the zero one");
         assert_eq!(svg.matches("stroke-dasharray").count(), 1);
         assert!(svg.starts_with("<svg") && svg.ends_with("</svg>\n") && !svg.contains("NaN"));
+    }
+
+    #[test]
+    fn every_table_names_what_it_draws() {
+        let set = TableSet::embedded();
+        for name in crate::set::NAMES {
+            let (what, columns) = chosen(set, name);
+            let svg = draw(set, name);
+            assert!(svg.contains(&what) && !svg.contains("NaN"), "{name}");
+            let is_axial = name.starts_with("area") || name.starts_with("axial");
+            assert_eq!(columns.len(), if is_axial { HARMONICS.len() } else { 11 }, "{name}");
+            assert!(columns.iter().all(|(column, label)| *column < set.table(name).columns && svg.contains(label)));
+        }
+        // The facing half of an area, where the first harmonic is its largest.
+        let (what, columns) = chosen(set, "area.single");
+        let row = set.table("area.single").row(100);
+        assert!(what.contains("60°") || what.contains("59°") || what.contains("61°"), "{what}");
+        assert!(columns.iter().all(|(column, _)| row[*column].abs() <= row[columns[0].0] * 1.5), "{what}");
     }
 }

@@ -199,7 +199,8 @@ fn street_lamp(cos: f64) -> f64 {
 
 /// Narrow spots and measured lamps by their first seventeen Legendre coefficients, light scattered twice, up to three times, and
 /// any number of times from two on, against walks that know the lamp itself; at angles from facing to away. Allowed beside
-/// the noise: 1 % of the mean over all angles, what the degrees beyond weigh.
+/// the noise: 1 % of the mean over all angles, and in a spot's beam 2 % of what is there, what the degrees beyond weigh
+/// (`tests/spots.rs` has 1.5 % at 0.3 mean free paths and 3.4 % at 3 of light scattered twice).
 #[test]
 fn an_independent_monte_carlo_agrees_for_narrow_spots_and_measured_lamps() {
     let mut worst = Worst::new("narrow spots and lamps against Monte Carlo, in standard errors", 4.0);
@@ -231,7 +232,8 @@ fn an_independent_monte_carlo_agrees_for_narrow_spots_and_measured_lamps() {
             };
             let (got, got_wrong) = (moments(&response), moments(&three));
             for (l, (want, error)) in truth.into_iter().enumerate() {
-                let allowed = error + 0.01 / 4.0 * mean;
+                let in_beam = if degrees == 0.0 && name.starts_with("spot") { 0.02 * got[0] } else { 0.0 };
+                let allowed = error + (0.01 * mean + in_beam) / 4.0;
                 let what = || format!("{name} {scatter:?} theta {degrees} l {l}");
                 println!("{} of mean {mean:.4}: {:.5} Monte Carlo {want:.5} ± {error:.5}", what(), got[l]);
                 worst.record((got[l] - want).abs() / allowed, what);

@@ -171,7 +171,7 @@ fn inspect(args: &Inspect) -> Result<Outcome, Failure> {
     console::print_line(&serde_json::to_string_pretty(&file.manifest).map_err(Failure::failed)?)?;
     if let Some(path) = &args.svg {
         let tables = TableSet::from_file(&file).map_err(Failure::invalid)?;
-        let svg = drawing::draw(tables.table(&args.table), tables.recipe().bands, &args.table);
+        let svg = drawing::draw(&tables, &args.table);
         std::fs::write(path, svg).map_err(|error| Failure::unwritable(path, error))?;
     }
     Ok(Outcome::Done)
