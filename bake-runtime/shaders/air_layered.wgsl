@@ -33,7 +33,7 @@ fn air_value(ray: ViewRay, lamp: Lamp, sigma_t: vec3f, point: PathPoint) -> vec3
     let place = ray.origin + ray.dir * point.place.s;
     let to_lamp = lamp.position - place;
     let away = max(length(to_lamp), 1e-20);
-    let depth = optical_depth(ViewRay(ray.origin, ray.dir, point.place.s)) + optical_depth(ViewRay(place, to_lamp / away, away));
+    let depth = optical_depth_by_way(ViewRay(ray.origin, ray.dir, point.place.s), ViewRay(place, to_lamp / away, away));
     return scattering_at(place, point.deflection) * fall3(depth);
 }
 
@@ -52,6 +52,7 @@ fn air_end_of_density(ray: ViewRay) -> f32 {
 fn air_end(ray: ViewRay, sight: Sight, sigma_t: vec3f, first: f32) -> f32 {
     var end = sight.length;
     for (var m = 0u; m < MEDIA; m++) {
+        if media[m].bounds == 4u { continue; } // if BOUNDS_MESH
         let least = min(media[m].sigma_t.x, min(media[m].sigma_t.y, media[m].sigma_t.z));
         let span = clip_bounds(media[m], ray);
         let room = LIGHT_DEPTH / max(least, 1e-12);

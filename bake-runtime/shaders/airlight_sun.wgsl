@@ -5,11 +5,6 @@
 // uses: air_layered // if LAYERED
 // uses: pieces
 
-// Light against the sun, from a place to where it leaves all air.
-fn depth_to_sun(place: vec3f, sun: Sun) -> vec3f {
-    return optical_depth(ViewRay(place, -sun.direction, FAR));
-}
-
 // Twin: Deflection::between.
 fn deflection_between(a: vec3f, b: vec3f) -> Deflection {
     let minus = 0.5 * dot(a - b, a - b);
@@ -35,10 +30,10 @@ fn add_edges(cuts: ptr<function, Cuts>, medium: Medium, ray: ViewRay, sun: Sun, 
     } // if BOUNDS_BOX
 } // if BOUNDS_BOX
 
-// What a place on the ray sends to the eye, 1/(m sr).
+// What a place on the ray sends to the eye, 1/(m sr); the way to the sun goes on until it has left all air.
 fn sun_value(ray: ViewRay, sun: Sun, deflection: Deflection, s: f32) -> vec3f {
     let place = ray.origin + ray.dir * s;
-    let depth = optical_depth(ViewRay(ray.origin, ray.dir, s)) + depth_to_sun(place, sun);
+    let depth = optical_depth_by_way(ViewRay(ray.origin, ray.dir, s), ViewRay(place, -sun.direction, FAR));
     return sun_scattering(place, deflection) * fall3(depth);
 }
 
@@ -51,6 +46,7 @@ fn sun_between(ray: ViewRay, sun: Sun, first: f32, end: f32) -> vec3f {
         let span = clip_bounds(media[m], ray);
         add_cut(&cuts, alone(span.x), alone(0.0), alone(end));
         add_cut(&cuts, alone(span.y), alone(0.0), alone(end));
+        if media[m].bounds == 4u { add_mesh_cuts(&cuts, media[m], ray, vec4f(-sun.direction, 0.0), alone(0.0), alone(end)); } // if BOUNDS_MESH
         if media[m].bounds == 1u { add_edges(&cuts, media[m], ray, sun, end); } // if BOUNDS_BOX
     }
     var sum = vec3f(0.0);

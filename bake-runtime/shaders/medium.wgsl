@@ -1,6 +1,7 @@
 // The media of the picture: where they are and how dense. Twins: bake_optics::medium. Places are relative to the eye.
 // uses: arithmetic, phase, view_ray
 // uses: hull // if BOUNDS_HULL
+// uses: mesh // if BOUNDS_MESH
 // uses: planet // if DENSITY_PLANET
 // uses: density_grid // if DENSITY_GRID
 
@@ -13,10 +14,12 @@ const LIGHT_DEPTH = 12.0; // if RAY_MARCH
 
 @group(0) @binding(11) var<uniform> media: array<Medium, MEDIA>;
 
-// Distances at which a ray enters and leaves a medium, within [0, length]; enter >= leave where it misses. Twin: Bounds::clip.
+// Distances at which a ray enters and leaves a medium (of a mesh: its box), within [0, length]; enter >= leave where it misses.
+// Twin: Bounds::clip.
 fn clip_bounds(medium: Medium, ray: ViewRay) -> vec2f {
     var span = vec2f(0.0, ray.length);
     if medium.bounds == 1u { span = clip_box(medium, ray); } // if BOUNDS_BOX
+    if medium.bounds == 4u { span = clip_box(medium, ray); } // if BOUNDS_MESH
     if medium.bounds == 2u { span = clip_ball(medium, ray); } // if BOUNDS_BALL
     if medium.bounds == 3u { span = clip_hull(medium, ray); } // if BOUNDS_HULL
     return vec2f(max(span.x, 0.0), min(span.y, ray.length));
@@ -75,6 +78,7 @@ fn density_at(medium: Medium, place: vec3f) -> f32 {
 // 1 inside the bounds, 0 outside.
 fn optical_inside(medium: Medium, place: vec3f) -> f32 {
     if medium.bounds == 3u { return select(0.0, 1.0, inside_hull(medium, place)); } // if BOUNDS_HULL
+    if medium.bounds == 4u { return select(0.0, 1.0, inside_mesh(medium, place)); } // if BOUNDS_MESH
     let box = all(place >= medium.low) && all(place <= medium.high);
     let ball = length(place - medium.low) <= medium.high.x;
     return select(0.0, 1.0, medium.bounds == 0u || (medium.bounds == 1u && box) || (medium.bounds == 2u && ball));
@@ -83,10 +87,22 @@ fn optical_inside(medium: Medium, place: vec3f) -> f32 {
 // Integral of the density along a ray, metres. Twin: Medium::optical_length.
 fn optical_length(medium: Medium, ray: ViewRay) -> f32 {
     let span = clip_bounds(medium, ray);
-    let inside = span.y - span.x;
-    if inside <= 0.0 {
+    if span.x >= span.y {
         return 0.0;
     }
+    return length_between(medium, ray, span); // unless BOUNDS_MESH
+    var parts: MeshParts; // if BOUNDS_MESH
+    parts.count = 1u; // if BOUNDS_MESH
+    parts.at[0] = span; // if BOUNDS_MESH
+    if medium.bounds == 4u { parts = mesh_parts(medium, ray); } // if BOUNDS_MESH
+    var sum = 0.0; // if BOUNDS_MESH
+    for (var i = 0u; i < parts.count; i++) { sum += length_between(medium, ray, parts.at[i]); } // if BOUNDS_MESH
+    return sum; // if BOUNDS_MESH
+}
+
+// The same between two distances that the bounds do not divide.
+fn length_between(medium: Medium, ray: ViewRay, span: vec2f) -> f32 {
+    let inside = span.y - span.x;
     let height = ray.origin.y + ray.dir.y * span.x - medium.base; // if DENSITY_EXPONENTIAL|DENSITY_LINEAR
     if medium.density == 1u { return exponential_length(medium.slope, height, ray.dir.y, inside); } // if DENSITY_EXPONENTIAL
     if medium.density == 2u { return linear_length(medium.slope * height, medium.slope * ray.dir.y, inside); } // if DENSITY_LINEAR
@@ -101,6 +117,17 @@ fn optical_depth(ray: ViewRay) -> vec3f {
     var depth = vec3f(0.0);
     for (var m = 0u; m < MEDIA; m++) {
         depth += media[m].sigma_t * optical_length(media[m], ray);
+    }
+    return depth;
+}
+
+// The same by way of two straight parts; called at one place, because shaders are inlined.
+fn optical_depth_by_way(first: ViewRay, second: ViewRay) -> vec3f {
+    var ray = first;
+    var depth = vec3f(0.0);
+    for (var i = 0u; i < 2u; i++) {
+        depth += optical_depth(ray);
+        ray = second;
     }
     return depth;
 }

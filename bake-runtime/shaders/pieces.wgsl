@@ -1,26 +1,8 @@
 // A ray cut where its integrand has corners: the lamp's foot, the edges of its cone, borders of media. Twin: Integrand::pieces.
-// uses: panel, lamp_sight
+// uses: cuts, panel, lamp_sight
+// uses: mesh_cuts // if BOUNDS_MESH
 // uses: air_uniform // unless LAYERED
 // uses: air_layered // if LAYERED
-
-struct Cuts {
-    at: array<Place, CUTS>,
-    count: u32,
-}
-
-// Keeps the list in order; what does not lie between `begin` and `end` is no cut.
-fn add_cut(cuts: ptr<function, Cuts>, at: Place, begin: Place, end: Place) {
-    if !(lies_before(begin, at) && lies_before(at, end)) || (*cuts).count >= CUTS {
-        return;
-    }
-    var i = (*cuts).count;
-    while i > 0u && lies_before(at, (*cuts).at[i - 1u]) {
-        (*cuts).at[i] = (*cuts).at[i - 1u];
-        i--;
-    }
-    (*cuts).at[i] = at;
-    (*cuts).count++;
-}
 
 // Borders of the pieces between two places.
 fn cuts_of(ray: ViewRay, lamp: Lamp, sight: Sight, begin: Place, end: Place) -> Cuts {
@@ -37,6 +19,7 @@ fn cuts_of(ray: ViewRay, lamp: Lamp, sight: Sight, begin: Place, end: Place) -> 
         let span = clip_bounds(media[m], ray); // if LAYERED
         add_cut(&cuts, place_at(sight, span.x), begin, end); // if LAYERED
         add_cut(&cuts, place_at(sight, span.y), begin, end); // if LAYERED
+        if media[m].bounds == 4u { add_mesh_cuts(&cuts, media[m], ray, vec4f(lamp.position, 1.0), begin, end); } // if BOUNDS_MESH
     } // if LAYERED
     return cuts;
 }

@@ -184,7 +184,7 @@ shared! {
     Medium {
         /// Lowest corner, or the ball's centre, metres.
         low: vec3f,
-        /// Bounds: 0 none, 1 box, 2 ball, 3 hull.
+        /// Bounds: 0 none, 1 box, 2 ball, 3 hull, 4 mesh.
         bounds: u32,
         /// Highest corner; x: the ball's radius.
         high: vec3f,
@@ -220,14 +220,14 @@ shared! {
         count_z: u32,
         /// First of its values among the coefficients, x fastest.
         values: u32,
-        /// First of the hull's planes among the coefficients: normal and offset of each.
+        /// First of the hull's planes among the coefficients, normal and offset of each; of a mesh's boxes, its triangles behind them.
         planes: u32,
-        /// Number of the planes.
+        /// Number of the planes or boxes.
         plane_count: u32,
-        /// Not used.
-        padding: u32,
-        /// Not used.
-        padding_2: u32,
+        /// First of a mesh's sharp edges among the coefficients, two corners each.
+        edges: u32,
+        /// Number of them.
+        edge_count: u32,
     }
     /// A shadow map: clip space from positions relative to the eye.
     ShadowView {

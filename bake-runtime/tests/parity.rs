@@ -273,6 +273,9 @@ fn a_constant_changed_on_one_side_only_is_found() {
         ("quadrature, cone", "let lead = ", "let lead = 1.0001 * "),
         ("quadrature, isotropic", "weight * 2.0 / (1.0", "weight * 2.001 / (1.0"),
         ("hull", "dot(plane.xyz, ray.origin)", "1.0001 * dot(plane.xyz, ray.origin)"),
+        // Rays through edges: a tie that is no side loses a crossing.
+        ("mesh", "return sign(a.y - b.y)", "return 0.0"),
+        ("mesh", "winding -= list.at[i].y;", "winding = list.at[i].y - winding;"),
         ("grid", "0.28867513459", "0.2887"),
         ("planet", "r0 * (1.0 + 2.0", "r0 * (1.0001 + 2.0"),
         ("lut", "h * (1.0 + v * v)", "h * (1.001 + v * v)"),

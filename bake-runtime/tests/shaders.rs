@@ -3,6 +3,7 @@
 
 use bake_formats::manifest::{LightKind, LightRecord, ProfileRecord};
 use bake_optics::medium::grid::DensityGrid;
+use bake_optics::medium::mesh::ClosedMesh;
 use bake_optics::medium::{Bounds, Density, Medium, Scatter};
 use bake_optics::phase::Phase;
 use bake_runtime::air::{AirPlan, AirSettings, Method};
@@ -49,6 +50,9 @@ fn media() -> Vec<Medium> {
     let grid = DensityGrid::new(glam::IVec3::splat(2), vec![1.0; 8], glam::DAffine3::IDENTITY).expect("valid");
     let planet = Density::Planet { centre: DVec3::NEG_Y * 6e6, radius_m: 6e6, scale_height_m: 8e3 };
     let hull = Bounds::Hull([glam::DVec4::new(0.0, 1.0, 0.0, 2.0)].into());
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    let mesh = ClosedMesh::new(&corners, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).expect("closed");
+    let mesh = Bounds::Mesh(std::sync::Arc::new(mesh));
     let linear = Density::Linear { zero_m: 0.0, slope_per_m: -0.1 };
     let medium = |bounds, density, phase| Medium { bounds, density, scatter, phase };
     vec![
@@ -60,6 +64,7 @@ fn media() -> Vec<Medium> {
         medium(Bounds::Unbounded, planet, Phase::Rayleigh),
         medium(Bounds::Unbounded, Density::Grid(std::sync::Arc::new(grid)), Phase::Isotropic),
         medium(block, linear, Phase::Legendre(vec![1.0, 0.5, 0.1])),
+        medium(mesh, Density::Uniform, Phase::Isotropic),
     ]
 }
 
@@ -240,6 +245,7 @@ fn an_effect_that_is_off_leaves_no_instruction_and_no_binding() {
         ("DENSITY_EXPONENTIAL", "exponential_length"),
         ("DENSITY_LINEAR", "linear_length"),
         ("BOUNDS_HULL", "clip_hull"),
+        ("BOUNDS_MESH", "mesh_parts"),
         ("DENSITY_PLANET", "planet_length"),
         ("DENSITY_GRID", "grid_length"),
         ("SUNS", "sun_between"),

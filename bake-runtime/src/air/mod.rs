@@ -6,8 +6,8 @@ mod upload;
 mod voxels;
 
 pub use haze::Haze;
-pub use upload::tail_texels;
 pub(crate) use upload::{AirBuffers, Sources, surface_texels};
+pub use upload::{mesh_numbers, tail_texels};
 
 use bake_formats::manifest::{LightKind, LightRecord};
 pub use bake_optics::medium::Medium;
@@ -117,7 +117,7 @@ impl AirPlan {
         let (method, note) = usable(settings.method, media, lights, layered);
         let sizes = Variant::new(Pass::Air)
             .constant("MEDIA", media.len() as u32)
-            .constant("CUTS", 6 + 2 * media.len() as u32 + if layered { 3 * media.len() as u32 } else { 3 })
+            .constant("CUTS", most_cuts(media, layered))
             .constant("STEPS", settings.steps.clamp(1, 4096))
             .constant("ORDERS", LUT_ORDERS)
             .constant("SHAFT_STEPS", settings.shaft_steps.clamp(1, 1024))
@@ -139,9 +139,21 @@ impl AirPlan {
     }
 }
 
-/// Whether the air needs optical depths point by point: density that varies, regions that differ, a lamp outside.
+/// Cuts of a ray at a lamp's foot and cone, and at borders of media: of a mesh sixteen, and as many shadows of its edges.
+fn most_cuts(media: &[Medium], layered: bool) -> u32 {
+    let count = media.len() as u32;
+    let meshes = media.iter().filter(|medium| is_mesh(medium)).count() as u32;
+    6 + 2 * count + if layered { 3 * count } else { 3 } + 32 * meshes
+}
+
+fn is_mesh(medium: &Medium) -> bool {
+    matches!(medium.bounds, Bounds::Mesh(_))
+}
+
+/// Whether the air needs optical depths point by point: density that varies, regions that differ or have gaps, a lamp outside.
 fn is_layered(media: &[Medium], lights: &[&LightRecord]) -> bool {
-    let uniform = |medium: &Medium| medium.density == Density::Uniform && medium.bounds == media[0].bounds;
+    let uniform =
+        |medium: &Medium| medium.density == Density::Uniform && medium.bounds == media[0].bounds && !is_mesh(medium);
     let inside = |light: &&LightRecord| position(light).is_none_or(|place| media[0].bounds.contains(place));
     !media.iter().all(uniform) || !lights.iter().all(inside)
 }
@@ -195,9 +207,11 @@ fn default_nodes(media: &[Medium], layered: bool) -> u32 {
 fn media_effects(media: &[Medium]) -> Vec<(&'static str, bool)> {
     let any = |test: fn(&Medium) -> bool| media.iter().any(test);
     vec![
-        ("BOUNDS_BOX", any(|m| matches!(m.bounds, Bounds::Box { .. }))),
+        // A mesh has a box around it.
+        ("BOUNDS_BOX", any(|m| matches!(m.bounds, Bounds::Box { .. } | Bounds::Mesh(_)))),
         ("BOUNDS_BALL", any(|m| matches!(m.bounds, Bounds::Sphere { .. }))),
         ("BOUNDS_HULL", any(|m| matches!(m.bounds, Bounds::Hull(_)))),
+        ("BOUNDS_MESH", any(is_mesh)),
         ("DENSITY_EXPONENTIAL", any(|m| matches!(m.density, Density::Exponential { .. }))),
         ("DENSITY_LINEAR", any(|m| matches!(m.density, Density::Linear { .. }))),
         ("DENSITY_PLANET", any(|m| matches!(m.density, Density::Planet { .. }))),

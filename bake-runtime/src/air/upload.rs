@@ -1,7 +1,10 @@
 //! Media and lights as the shader reads them: places relative to the eye, formed in double precision.
 
+use std::collections::{BTreeSet, HashMap};
+
 use bake_formats::manifest::{LightKind, LightRecord, ProfileRecord};
 use bake_optics::airlight::Lut;
+use bake_optics::medium::mesh::{ClosedMesh, MeshBox};
 use bake_optics::medium::{self, Bounds, Density};
 use bake_optics::phase::Phase;
 use bake_optics::surface::SurfaceTable;
@@ -117,6 +120,15 @@ impl Packed {
                 packed.plane_count = planes.len() as u32;
                 (3, [0.0; 3], [0.0; 3])
             }
+            (Bounds::Mesh(mesh), _) => {
+                let [min, max] = mesh.bounding_box();
+                packed.planes = self.numbers(mesh_numbers(mesh, eye));
+                packed.plane_count = mesh.boxes().len() as u32;
+                let edges = sharp_edges(mesh);
+                packed.edge_count = edges.len() as u32;
+                packed.edges = self.numbers(edges.iter().flatten().flat_map(|place| relative(*place)));
+                (4, relative(min), relative(max))
+            }
             (_, Density::Grid(grid)) => {
                 let [min, max] = grid.bounding_box();
                 (1, relative(min), relative(max))
@@ -204,6 +216,40 @@ impl Packed {
         (lamp.shape, lamp.count) = (2, profile.legendre.len() as u32);
         lamp.first = self.numbers(profile.legendre.iter().copied());
     }
+}
+
+/// A mesh as `mesh.wgsl` reads it, for shaders of one's own too: eight numbers for each of its boxes, then nine for each
+/// triangle, places relative to the eye.
+pub fn mesh_numbers(mesh: &ClosedMesh, eye: DVec3) -> Vec<f32> {
+    let corners: Vec<[f32; 3]> = mesh.positions().iter().map(|place| (*place - eye).as_vec3().to_array()).collect();
+    let mut numbers = Vec::new();
+    for MeshBox { min, max, next, triangles } in mesh.boxes() {
+        numbers.extend((min - eye).as_vec3().extend(next as f32).to_array());
+        numbers.extend((max - eye).as_vec3().extend((8 * triangles.start + triangles.len() as u32) as f32).to_array());
+    }
+    numbers.extend(mesh.triangles().iter().flatten().flat_map(|&corner| corners[corner as usize]));
+    numbers
+}
+
+/// Meshes of more triangles are taken for smooth: a ray is not cut where the way to a lamp passes their edges.
+const MOST_SHARP: usize = 1024;
+
+/// Edges at which two triangles' normals differ by more than 8 degrees, as pairs of places.
+fn sharp_edges(mesh: &ClosedMesh) -> Vec<[DVec3; 2]> {
+    let place = |corner: u32| mesh.positions()[corner as usize];
+    let mut first: HashMap<(u32, u32), DVec3> = HashMap::new();
+    let mut sharp = BTreeSet::new();
+    for &[a, b, c] in mesh.triangles().iter().filter(|_| mesh.triangles().len() <= MOST_SHARP) {
+        let normal = (place(b) - place(a)).cross(place(c) - place(a)).normalize_or_zero();
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            let edge = (from.min(to), from.max(to));
+            let bent = first.insert(edge, normal).is_some_and(|other| other.dot(normal) < 0.99);
+            if bent {
+                sharp.insert(edge);
+            }
+        }
+    }
+    sharp.into_iter().map(|(a, b)| [place(a), place(b)]).collect()
 }
 
 /// The tables of [`super::Method::Lut`] as layers of a texture, for shaders of one's own too.

@@ -1,4 +1,4 @@
-//! Media as the shaders take them: regions that end at a mesh become density grids, fine grids coarser ones.
+//! Media as the shaders take them: fine density grids become coarser ones, and so do regions that end at a mesh too fine to be walked.
 //!
 //! A cell of such a grid holds the mean density in it, found from exact intervals of upright lines; what a mesh holds in all is kept,
 //! its border is blurred over a cell. *Accuracy*: see the tests.
@@ -6,11 +6,21 @@
 use std::sync::Arc;
 
 use bake_optics::medium::grid::DensityGrid;
+use bake_optics::medium::mesh::ClosedMesh;
 use bake_optics::medium::{Bounds, Density, Medium, Ray};
 use glam::{DAffine3, DMat3, DVec3, IVec3};
 
 /// Most points along an axis: what a shader can walk through at every node.
 const MOST: i32 = 64;
+
+/// Most triangles of a mesh: 4 MB that are written for every picture.
+const MOST_TRIANGLES: usize = 65_536;
+
+/// Most parts of a line inside a mesh: `mesh.wgsl` tells sixteen crossings apart.
+const MOST_PARTS: usize = 8;
+
+/// Lines that look for such places, along each side of a mesh's box.
+const LINES_ACROSS: i32 = 32;
 
 /// Cells along a mesh's longest side.
 const CELLS: f64 = 48.0;
@@ -20,9 +30,11 @@ const LINES: i32 = 4;
 
 /// The medium as it is drawn, and what is lost, in words.
 pub(super) fn drawable(medium: Medium) -> (Medium, Option<String>) {
-    if let Bounds::Mesh(_) = medium.bounds {
+    if let Bounds::Mesh(mesh) = &medium.bounds
+        && let Some(why) = too_fine(mesh)
+    {
         let grid = filled(&medium);
-        let note = format!("its mesh as a grid of {} points", grid.size());
+        let note = format!("its mesh ({why}) as a grid of {} points", grid.size());
         let density = Density::Grid(Arc::new(grid));
         return (Medium { bounds: Bounds::Unbounded, density, ..medium }, Some(note));
     }
@@ -36,6 +48,29 @@ pub(super) fn drawable(medium: Medium) -> (Medium, Option<String>) {
     }
     let note = format!("its grid of {} points as one of {}", grid.size(), coarse.size());
     (Medium { density: Density::Grid(Arc::new(coarse)), ..medium }, Some(note))
+}
+
+/// Why a mesh is not drawn as it is.
+fn too_fine(mesh: &ClosedMesh) -> Option<String> {
+    let count = mesh.triangles().len();
+    if count > MOST_TRIANGLES {
+        return Some(format!("{count} triangles; {MOST_TRIANGLES} at most"));
+    }
+    let most = lines_through(mesh.bounding_box()).map(|line| mesh.intervals(&line).len()).max().unwrap_or(0);
+    (most > MOST_PARTS).then(|| format!("{most} parts inside along a line; {MOST_PARTS} at most"))
+}
+
+/// Lines across a box, along each axis.
+fn lines_through([low, high]: [DVec3; 2]) -> impl Iterator<Item = Ray> {
+    let share = |line: i32| (f64::from(line) + 0.5) / f64::from(LINES_ACROSS);
+    let line = move |axis: usize, i: i32| {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let mut from = low - DVec3::AXES[axis];
+        from[u] += (high - low)[u] * share(i % LINES_ACROSS);
+        from[v] += (high - low)[v] * share(i / LINES_ACROSS);
+        Ray::new(from, DVec3::AXES[axis], f64::INFINITY)
+    };
+    (0..3).flat_map(move |axis| (0..LINES_ACROSS * LINES_ACROSS).map(move |i| line(axis, i)))
 }
 
 /// Mean densities of the cells of the region's box.
@@ -88,7 +123,6 @@ fn halved(grid: &DensityGrid) -> DensityGrid {
 mod tests {
     use super::*;
     use bake_optics::medium::Scatter;
-    use bake_optics::medium::mesh::ClosedMesh;
     use bake_optics::phase::Phase;
 
     fn medium(bounds: Bounds, density: Density) -> Medium {
@@ -128,8 +162,8 @@ mod tests {
     fn a_mesh_keeps_what_it_holds_and_its_border_within_a_cell() {
         for density in [Density::Uniform, Density::Exponential { base_m: 0.5, scale_height_m: 0.6 }] {
             let exact = medium(angle(), density);
-            let (coarse, note) = drawable(exact.clone());
-            assert!(note.is_some_and(|note| note.contains("mesh")));
+            let density = Density::Grid(Arc::new(filled(&exact)));
+            let coarse = medium(Bounds::Unbounded, density);
             let errors: Vec<f64> =
                 rays().iter().map(|ray| coarse.optical_length(ray) - exact.optical_length(ray)).collect();
             let mean = rays().iter().map(|ray| exact.optical_length(ray)).sum::<f64>() / 400.0;
@@ -142,6 +176,28 @@ mod tests {
             // At worst a ray runs in a face, whose cells are half full.
             assert!(bias.abs() < 5e-3 && rms < 2e-2 && worst < 0.2, "{bias} {rms} {worst}");
         }
+    }
+
+    /// Teeth of 0.5 m, 1 m from each to the next.
+    fn comb(teeth: u32) -> Bounds {
+        let corner = |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * 0.5;
+        let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        let positions: Vec<DVec3> = (0..8 * teeth).map(|i| corner(i % 8) + DVec3::X * f64::from(i / 8)).collect();
+        let triangles: Vec<[u32; 3]> =
+            (0..teeth).flat_map(|tooth| triangles.clone().map(move |t| t.map(|i| i + 8 * tooth))).collect();
+        Bounds::Mesh(Arc::new(ClosedMesh::new(&positions, &triangles).expect("closed")))
+    }
+
+    #[test]
+    fn meshes_are_drawn_as_they_are_unless_a_line_meets_too_many_parts() {
+        for bounds in [angle(), comb(8)] {
+            let (drawn, note) = drawable(medium(bounds.clone(), Density::Uniform));
+            assert!(note.is_none() && drawn.bounds == bounds);
+        }
+        let (drawn, note) = drawable(medium(comb(9), Density::Uniform));
+        assert!(matches!(drawn.density, Density::Grid(_)) && drawn.bounds == Bounds::Unbounded);
+        assert!(note.as_ref().is_some_and(|note| note.contains("9 parts")), "{note:?}");
     }
 
     #[test]

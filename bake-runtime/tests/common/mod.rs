@@ -6,6 +6,7 @@ use bake_formats::float_image::{FloatImage, PixelFormat, Quantity};
 use bake_formats::glb::document as gltf;
 use bake_formats::manifest::{InstanceRecord, PageRecord, Settings, Source};
 use bake_formats::{Manifest, Package, PackageWriter, Term};
+use bake_optics::medium::mesh::ClosedMesh;
 use bake_runtime::{Camera, Headless, Model, Renderer, SceneData};
 use glam::{Affine3A, DVec3, Vec2, Vec3};
 
@@ -138,6 +139,25 @@ impl Fixture {
         let folder = tempfile::tempdir().expect("a temporary folder");
         SceneData::load(&self.write(folder.path())).expect("a package that was just written loads")
     }
+}
+
+/// An L of 2 m x 2 m x 1 m and a block that overlaps it, all corners dyadic; the first `count` of them.
+pub fn angle(count: usize, place: impl Fn(DVec3) -> DVec3) -> ClosedMesh {
+    let shells = [
+        ([0.0, 1.0], vec![[0.0, 0.0], [2.0, 0.0], [2.0, 0.75], [0.75, 0.75], [0.75, 2.0], [0.0, 2.0]]),
+        ([0.25, 0.75], vec![[0.5, 1.0], [1.5, 1.0], [1.5, 1.5], [0.5, 1.5]]),
+    ];
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for (heights, outline) in shells.into_iter().take(count) {
+        let (first, count) = (positions.len() as u32, outline.len() as u32);
+        let corners = heights.iter().flat_map(|&z| outline.iter().map(move |&[x, y]| DVec3::new(x, y, z)));
+        positions.extend(corners.map(&place));
+        let side = |i: u32| [[i, (i + 1) % count, (i + 1) % count + count], [i, (i + 1) % count + count, i + count]];
+        // Fans about the first corner: both outlines are seen as a whole from there.
+        let caps = (1..count - 1).flat_map(|i| [[0, i + 1, i], [count, count + i, count + i + 1]]);
+        triangles.extend((0..count).flat_map(side).chain(caps).map(|t| t.map(|i| i + first)));
+    }
+    ClosedMesh::new(&positions, &triangles).expect("closed")
 }
 
 /// PNG of 8-bit RGBA.

@@ -3,6 +3,7 @@
 use bake_optics::airlight::{Airlight, ClosedForm, IsotropicLamp, Lut, Oracle, RayMarch, Sight, UniformAir, Vacuum};
 use bake_optics::emitter::Emitter;
 use bake_optics::medium::grid::DensityGrid;
+use bake_optics::medium::mesh::ClosedMesh;
 use bake_optics::medium::{self, Bounds, Density, MediumSet, Ray};
 use bake_optics::phase::Phase;
 use bake_runtime::layout::Medium;
@@ -194,11 +195,13 @@ pub fn cases() -> Vec<Case> {
         trial("ray march", march, "lamp_airlight", Phase::Isotropic, Emitter::Isotropic, 1e-4)
             .case(|sight, lamp, air| RayMarch { steps: 64 }.radiance(sight, lamp, air)),
         lut(),
-        optical_length("exponential", layer, Bounds::Unbounded, 2e-5),
+        optical_length("exponential", layer.clone(), Bounds::Unbounded, 2e-5),
         optical_length("linear", Density::Linear { zero_m: 2.0, slope_per_m: -0.25 }, Bounds::Unbounded, 2e-5),
         optical_length("box", Density::Uniform, block, 2e-5),
         optical_length("ball", Density::Uniform, ball_bounds, 1e-4),
         optical_length("hull", Density::Uniform, prism(), 2e-5),
+        optical_length("mesh", Density::Uniform, Bounds::Mesh(Arc::new(crate::common::angle(2, |p| p))), 1e-4),
+        optical_length("fog in a mesh", layer, Bounds::Mesh(Arc::new(crate::common::angle(2, |p| p - 1.0))), 1e-4),
         optical_length("grid", cloud(), Bounds::Unbounded, 2e-5),
         optical_length("planet", planet(6.371e6, 8.0e3), Bounds::Unbounded, 2e-5),
         optical_length("small planet", planet(40.0, 3.0), Bounds::Unbounded, 2e-5),
@@ -270,17 +273,27 @@ fn optical_length(name: &'static str, density: Density, bounds: Bounds, limit: f
             coefficients.extend(planes.iter().flat_map(|plane| plane.as_vec4().to_array()));
             (3, DVec3::ZERO, DVec3::ZERO)
         }
+        Bounds::Mesh(mesh) => {
+            record.plane_count = mesh.boxes().len() as u32;
+            coefficients.extend(bake_runtime::air::mesh_numbers(mesh, DVec3::ZERO));
+            let [low, high] = mesh.bounding_box();
+            (4, low, high)
+        }
         _ => (0, DVec3::ZERO, DVec3::ZERO),
     };
     (record.bounds, record.low, record.high) = (shape, low.as_vec3().to_array(), high.as_vec3().to_array());
     (record.density, record.base, record.slope) = (kind, base as f32, slope as f32);
     let effects = ["DENSITY_EXPONENTIAL", "DENSITY_LINEAR", "DENSITY_PLANET", "DENSITY_GRID"].into_iter().zip(1..);
     let variant = effects.fold(Variant::new(Pass::Air), |v, (effect, own)| v.with(effect, kind == own));
-    let effects = ["BOUNDS_BOX", "BOUNDS_BALL", "BOUNDS_HULL"].into_iter().zip(1..);
+    let effects = ["BOUNDS_BOX", "BOUNDS_BALL", "BOUNDS_HULL", "BOUNDS_MESH"].into_iter().zip(1..);
     let variant = effects.fold(variant, |v, (effect, own)| v.with(effect, shape == own)).constant("MEDIA", 1);
+    let variant = variant.with("BOUNDS_BOX", shape == 1 || shape == 4);
     let scatter = medium::Scatter { sigma_s: [1.0; 3], sigma_a: [0.0; 3] };
     let set = MediumSet { media: vec![medium::Medium { bounds, density, scatter, phase: Phase::Isotropic }] };
     let mut inputs = rays();
+    if let Bounds::Mesh(mesh) = &set.media[0].bounds {
+        inputs.extend(through_edges(mesh));
+    }
     // Level, upright and almost level rays.
     for dir in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [1.0, 1e-6, 0.0], [1.0, -1e-4, 0.0]] {
         inputs
@@ -316,6 +329,20 @@ fn cloud() -> Density {
         DVec3::new(-1.0, 0.0, -2.0),
     );
     Density::Grid(Arc::new(DensityGrid::new(size, values, placed).expect("valid")))
+}
+
+/// Rays exactly through corners and middles of edges of a mesh with dyadic corners: every way along and between the axes.
+fn through_edges(mesh: &ClosedMesh) -> Vec<Vec<f64>> {
+    let corner = |index: u32| mesh.positions()[index as usize];
+    let edges = mesh.triangles().iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let places = edges.flat_map(|[a, b]| [corner(a), 0.5 * (corner(a) + corner(b))]);
+    let ways = (0..27).map(|i| DVec3::new(f64::from(i % 3), f64::from(i / 3 % 3), f64::from(i / 9)) - 1.0);
+    let ways: Vec<DVec3> = ways.filter(|way| *way != DVec3::ZERO).collect();
+    let ray = |place: DVec3, way: DVec3| {
+        let (from, dir) = (place - 4.0 * way, way.normalize());
+        [from.x, from.y, from.z, 20.0, dir.x, dir.y, dir.z, 0.0].map(round).to_vec()
+    };
+    places.flat_map(|place| ways.iter().map(move |&way| ray(place, way))).collect()
 }
 
 /// A prism with a slanted roof.

@@ -10,6 +10,7 @@ mod shells;
 mod tree;
 
 pub use shells::MeshError;
+pub use tree::MeshBox;
 
 use crossing::Sheared;
 use glam::{DVec3, DVec4};
@@ -52,6 +53,11 @@ impl ClosedMesh {
     /// Indices into the corners, counter-clockwise seen from outside.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
+    }
+
+    /// Boxes around its triangles, depth first: for walks without a stack.
+    pub fn boxes(&self) -> Vec<MeshBox> {
+        self.tree.boxes()
     }
 
     /// Lowest and highest corner of the box around it.

@@ -13,6 +13,19 @@ pub struct Tree {
     nodes: Vec<Node>,
 }
 
+/// A box of the tree, and where a walk goes on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshBox {
+    /// Lowest corner, metres.
+    pub min: DVec3,
+    /// Highest corner, metres.
+    pub max: DVec3,
+    /// The box after all that this one holds; the one after a box that is met is its neighbour in the list.
+    pub next: u32,
+    /// Triangles of a leaf; empty for a branch.
+    pub triangles: std::ops::Range<u32>,
+}
+
 #[derive(Debug, Clone, PartialEq)]
 struct Node {
     min: DVec3,
@@ -34,6 +47,19 @@ impl Tree {
     /// Lowest and highest corner of all.
     pub fn bounds(&self) -> [DVec3; 2] {
         [self.nodes[0].min, self.nodes[0].max]
+    }
+
+    /// All boxes, depth first.
+    pub fn boxes(&self) -> Vec<MeshBox> {
+        let mut next = vec![self.nodes.len() as u32; self.nodes.len()];
+        for (index, node) in self.nodes.iter().enumerate().filter(|(_, node)| node.count == 0) {
+            next[node.at as usize] = next[index];
+            next[index + 1] = node.at;
+        }
+        let triangles = |node: &Node| if node.count > 0 { node.at..node.at + node.count } else { 0..0 };
+        let boxed =
+            |(node, next): (&Node, u32)| MeshBox { min: node.min, max: node.max, next, triangles: triangles(node) };
+        self.nodes.iter().zip(next).map(boxed).collect()
     }
 
     fn build(&mut self, positions: &[DVec3], triangles: &mut [[u32; 3]], first: u32) {
