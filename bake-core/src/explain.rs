@@ -133,7 +133,8 @@ impl Pilots<'_, '_> {
         }
         let mean = |of: &dyn Fn(usize) -> f64| good.iter().map(|&t| of(t)).sum::<f64>() / good.len() as f64;
         let error = mean(&|texel| level(with.variance[texel]).max(0.0).sqrt());
-        let names = EffectName::ALL.into_iter();
+        // Walks know no plane of their own.
+        let names = EffectName::ALL.into_iter().filter(|(_, effect)| *effect != EffectName::OwnPlane);
         let on = names.filter_map(|(name, effect)| {
             let listed = self.plan.effects.iter().find(|listed| listed.name == name && listed.on)?;
             Some((effect, listed))

@@ -25,6 +25,7 @@
 //! | absorption | n p_a, at most 1 | a leg loses at most p_a = 1 − exp(−τ_a) |
 //! | scattering | p_s | what arrives has scattered at its first leg |
 //! | multiple | p_s² | the same at its second |
+//! | own-plane term | 2 ρ p_s | at most p_s of what surfaces send scatters onto their own plane; without the term it arrives elsewhere |
 //! | anisotropy | (n − 1) a, at most 2 p_s | a collision spreads apart at most `a = ∫ \|φ − 1/4π\| dω ≤ √(Σ_{l ≥ 1} (2l + 1) m_l²)` (Cauchy–Schwarz over Legendre moments), at most 2 |
 //! | heterogeneity, colour | n (Δ + Δ_s + Δ exp(Δ)), at most 2 | Δ, Δ_s are the largest depths of the differences of extinction and scattering: \|exp(−τ) − exp(−τ')\| ≤ Δ at a leg's end, `∫ \|σ_s exp(−τ) − σ_s' exp(−τ')\| ds ≤ Δ_s + Δ exp(Δ)` on its way |
 //!
@@ -88,6 +89,11 @@ impl<'a> Bounds<'a> {
     /// Of light that surfaces reflect.
     pub fn indirect(&self) -> f64 {
         self.grown(self.budget.albedo * self.budget.emitted.total(), 1)
+    }
+
+    /// Of light that scatters between points of one plane, where it arrives on other surfaces instead.
+    pub fn own_plane(&self) -> f64 {
+        2.0 * self.scattered_reflections()
     }
 
     /// Of all that the air does.

@@ -247,14 +247,16 @@ fn colour(air: &Air, bounds: &Bounds) -> Call {
 }
 
 /// What the chosen solver adds to the list.
-pub fn of_solver(mode: Option<Mode>) -> Vec<Effect> {
+pub fn of_solver(mode: Option<Mode>, air: &Air, settings: &Settings, budget: &Budget) -> Vec<Effect> {
     let Some(mode) = mode else { return vec![] };
-    let is_tables = matches!(mode, Mode::Tables | Mode::Paper);
-    let why = match is_tables {
-        true => "drawn on its own: tables know no neighbours in a surface's plane",
-        false => "paths through the air find it",
+    let judge = Judge { force: &settings.force_effect, tolerance: f64::from(settings.tolerance) };
+    let why = match mode {
+        Mode::Tables => "drawn on its own: tables know no neighbours in a surface's plane",
+        Mode::Paper => "not known to the published method",
+        Mode::Walk | Mode::Grid => "paths through the air find it",
     };
-    vec![Effect::new("own-plane term", is_tables, if is_tables { f64::INFINITY } else { 0.0 }, why)]
+    let bound = Bounds::new(*budget, air).own_plane();
+    vec![judge.judge(EffectName::OwnPlane, Call { is_there: mode == Mode::Tables, bound, why: why.into() })]
 }
 
 #[cfg(test)]

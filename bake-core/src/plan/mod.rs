@@ -145,9 +145,9 @@ impl Plan {
         let simulated = effects::reduce(&effects, air);
         let escaping = if air.is_empty() { 0.0 } else { pilot::escaping(tracer, atlas, solver.seed) };
         let mode = choose_mode(scene, &simulated, settings, &effects, escaping);
-        leave_out(&mut solver, &effects);
         solver.mode = mode.as_ref().map_or(Mode::Walk, |choice| choice.mode);
-        effects.extend(effects::of_solver(mode.as_ref().map(|choice| choice.mode)));
+        effects.extend(effects::of_solver(mode.as_ref().map(|choice| choice.mode), &simulated, settings, &budget));
+        leave_out(&mut solver, &effects);
         Ok(Self {
             effects,
             media: air.summaries(),
@@ -198,6 +198,7 @@ pub(crate) fn leave_out(solver: &mut LightmapSettings, effects: &[Effect]) {
     }
     solver.environment = effects::is_on(effects, EffectName::Environment);
     solver.collisions = if effects::is_on(effects, EffectName::Multiple) { None } else { Some(1) };
+    solver.tables.own_plane = effects::is_on(effects, EffectName::OwnPlane);
 }
 
 fn scene_size(scene: &Scene, atlas: &Atlas) -> SceneSize {

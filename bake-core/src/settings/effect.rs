@@ -23,11 +23,13 @@ pub enum EffectName {
     Indirect,
     /// The sky, or the environment image.
     Environment,
+    /// Light that mode `tables` scatters between points of one plane; off: other surfaces stand for it.
+    OwnPlane,
 }
 
 impl EffectName {
     /// All, by the name that plan and flags use.
-    pub const ALL: [(&str, Self); 9] = [
+    pub const ALL: [(&str, Self); 10] = [
         ("attenuation", Self::Attenuation),
         ("absorption", Self::Absorption),
         ("scattering", Self::Scattering),
@@ -37,6 +39,7 @@ impl EffectName {
         ("colour", Self::Colour),
         ("indirect", Self::Indirect),
         ("environment", Self::Environment),
+        ("own-plane", Self::OwnPlane),
     ];
 
     /// The name that plan and flags use.

@@ -108,11 +108,14 @@ pub struct Effort {
     pub bands: usize,
     /// Collisions up to which tables are summed, of 2, 3, 5 and 10; `None` takes what the scene is nearest to.
     pub orders: Option<usize>,
+    /// Whether points of a surface's own plane, which no ray from it meets, are drawn on their own; else factors make other
+    /// surfaces stand for them.
+    pub own_plane: bool,
 }
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { stations: 2048, rays: 128, bins: 256, bands: 11, orders: None }
+        Self { stations: 2048, rays: 128, bins: 256, bands: 11, orders: None, own_plane: true }
     }
 }
 

@@ -178,7 +178,8 @@ impl View<'_, '_> {
         for sample in 0..rays {
             let mut sampler = Sampler::new(sample, seed);
             let ([u, v, crossing, _], [a, b, ..]) = (sampler.next4(), sampler.next4());
-            if sample % BESIDE_EVERY == 0
+            if self.own_plane
+                && sample % BESIDE_EVERY == 0
                 && let Some(beside) = self.beside(vertex, [a, b], &counters)
             {
                 let depth = self.paths.media.depth(&beside.leg);

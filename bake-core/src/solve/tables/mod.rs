@@ -46,6 +46,8 @@ pub(super) struct View<'a, 's> {
     region: [Vec3; 2],
     /// Whether no look escapes.
     is_closed: bool,
+    /// Whether paths go on from a vertex's own plane.
+    own_plane: bool,
 }
 
 impl View<'_, '_> {
@@ -70,7 +72,8 @@ impl<'a, 's> TablePaths<'a, 's> {
     /// Prepares tables and measures factors.
     pub fn new(paths: Paths<'a, 's, Tabled<'a>>, effort: Effort, seed: u32) -> Self {
         let mut responses = Responses::new(paths.media, &paths.tracer.scene().lights, &effort);
-        let mut view = View { paths, wall: 1.0, extent: 1.0, region: [Vec3::ZERO; 2], is_closed: false };
+        let own_plane = effort.own_plane;
+        let mut view = View { paths, wall: 1.0, extent: 1.0, region: [Vec3::ZERO; 2], is_closed: false, own_plane };
         let factors = Factors::new(&mut view, &mut responses, effort, seed);
         Self { view, responses, factors }
     }

@@ -82,7 +82,7 @@ impl<'a, 's> PaperPaths<'a, 's> {
     pub fn new(paths: Paths<'a, 's, Tabled<'a>>, set: &TableSet) -> Self {
         let prepare = |medium: &Medium| std::array::from_fn(|c| Channel::new(set, medium, c));
         let media = paths.media.set().media.iter().map(prepare).collect();
-        let view = View { paths, wall: 1.0, extent: 1.0, region: [Vec3::ZERO; 2], is_closed: false };
+        let view = View { paths, wall: 1.0, extent: 1.0, region: [Vec3::ZERO; 2], is_closed: false, own_plane: false };
         Self { view, media }
     }
 

@@ -54,7 +54,8 @@ impl Recorder<'_, '_, '_> {
         }
         let mut second = air.fork();
         let [choice, a, b, lobe] = second.next4();
-        if choice * BESIDE_EVERY < 1.0
+        if self.view.own_plane
+            && choice * BESIDE_EVERY < 1.0
             && paths.bounces > 0
             && let Some(beside) = self.view.beside(start, [a, b], self.counters)
             && let Some((step, vertex, albedo)) = beside.onward(self.view, lobe)
@@ -77,7 +78,7 @@ impl Recorder<'_, '_, '_> {
     ) {
         let paths = &self.view.paths;
         // In closed rooms other surfaces stand for the own plane: it is one among many there, and far from the texel.
-        let share = if self.view.is_closed { 0.0 } else { BESIDE_SHARE };
+        let share = if self.view.own_plane && !self.view.is_closed { BESIDE_SHARE } else { 0.0 };
         let mut carried = albedo * self.nominal(start, &step);
         for bounce in 1u32.. {
             let [pick, u, v, survive] = sampler.next4();
