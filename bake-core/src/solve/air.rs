@@ -4,6 +4,9 @@
 //! inverse square has no bounded variance there: their light is gathered along every leg with distances drawn
 //! equi-angularly about the lamp (Kulla and Fajardo 2012), and around the start of a path with directions drawn
 //! uniformly in the angle from the lamp, where both singularities cancel (`dω ds / r² ∝ dγ dβ / d`).
+//!
+//! Where a cache knows the air's light, a leg is looked at as often as its air matters: what it scatters grows with what it stops,
+//! so that noise is least for the time spent where the probability of a look does too ([`Media::looks_per_collision`]).
 
 use super::emitters::{LightSample, Strategy, Target, punctual};
 use super::media::{Flight, InScattered, Leg, Media};
@@ -53,8 +56,15 @@ pub(super) struct Collision {
 
 /// Collisions that a path's first leg may look at.
 pub(super) const MOST_LOOKS: usize = 4;
+/// Looks at a path's first leg for one at a later leg: what they bring is not weakened by a reflection.
+const FIRST_LOOKS: f32 = 2.0;
 /// Share of draws that go to any of them.
 const EVENLY: f32 = 0.2;
+
+/// Share of light that a stretch stops, of the channel with the most.
+fn opacity(passed: Vec3) -> f32 {
+    1.0 - passed.min_element()
+}
 
 /// A collision at which emitters may be drawn.
 #[derive(Clone, Copy, Default)]
@@ -103,12 +113,13 @@ impl<M: Media> Paths<'_, '_, M> {
             radiance[step.last_leg.of_collision()] += step.throughput * lit;
         }
         if M::CACHED {
+            let passed = self.media.transmittance(&leg);
             if step.is_first {
-                self.look_along(step, &leg, arrival, radiance, (numbers, air), counters);
+                self.look_along(step, (&leg, opacity(passed)), arrival, radiance, (numbers, air), counters);
             } else {
-                self.look_up(step, &leg, arrival, radiance, numbers);
+                self.look_up(step, (&leg, opacity(passed)), arrival, radiance, numbers);
             }
-            arrival.weaken(self.media.transmittance(&leg));
+            arrival.weaken(passed);
             return Onward::Through;
         }
         match self.media.fly(&leg, step.throughput, [numbers[0], numbers[1]]) {
@@ -153,34 +164,52 @@ impl<M: Media> Paths<'_, '_, M> {
     }
 
     /// In-scattered radiance from one collision on the leg, from the cache.
-    fn look_up(&self, step: &Step, leg: &Leg, arrival: &Arrival, radiance: &mut [Vec3; 4], numbers: [f32; 4]) {
+    fn look_up(
+        &self,
+        step: &Step,
+        (leg, opacity): (&Leg, f32),
+        arrival: &Arrival,
+        radiance: &mut [Vec3; 4],
+        numbers: [f32; 4],
+    ) {
+        let share = (self.media.looks_per_collision() * opacity).min(1.0);
+        if numbers[3] >= share {
+            return;
+        }
         let Some((distance, weight)) = self.media.collide(leg, step.throughput, [numbers[0], numbers[1]]) else {
             return;
         };
-        let throughput = step.throughput * weight * arrival.passed_before(distance);
+        let throughput = step.throughput * (weight / share) * arrival.passed_before(distance);
         let scattered = self.media.cached_whole(leg.at(distance), step.dir, numbers[2]);
         radiance[step.last_leg.of_collision()] += throughput * scattered;
     }
 
-    /// The same for a path's first leg, from several collisions. Emitters are drawn at one of them: what the cache knows of
+    /// The same for a path's first leg, from several collisions. Emitters are drawn at one of them, if at all: what the cache knows of
     /// them is blurred, which only another reflection hides, but it tells where they matter (resampled importance sampling,
     /// Talbot, Cline and Egbert 2005, with strata for candidates and a share for each of them).
     fn look_along(
         &self,
         step: &Step,
-        leg: &Leg,
+        (leg, opacity): (&Leg, f32),
         arrival: &Arrival,
         radiance: &mut [Vec3; 4],
         (numbers, air): ([f32; 4], &mut Sampler),
         counters: &Counters,
     ) {
         let mut looks = [Look::default(); MOST_LOOKS];
-        let count = self.media.looks(leg).min(MOST_LOOKS);
+        let drawing = (self.media.looks_per_collision() * opacity).min(1.0);
+        let wanted = FIRST_LOOKS * self.media.looks_per_collision() * opacity;
+        let share = wanted.min(1.0);
+        if numbers[3] >= share {
+            air.skip();
+            return;
+        }
+        let count = (wanted.ceil() as usize).clamp(1, self.media.most_looks().min(MOST_LOOKS));
         let (looks, strata) = (&mut looks[..count], count as f32);
         for (index, look) in looks.iter_mut().enumerate() {
             let u = (index as f32 + numbers[1]) / strata;
             let Some((distance, weight)) = self.media.collide(leg, step.throughput, [numbers[0], u]) else { continue };
-            let throughput = step.throughput * weight * arrival.passed_before(distance) / strata;
+            let throughput = step.throughput * weight * arrival.passed_before(distance) / (strata * share);
             let point = leg.at(distance);
             let corner = (numbers[2] + index as f32 * 0.618_034).fract();
             let InScattered { reflected, collided, drawn } = self.media.cached(point, step.dir, corner);
@@ -190,7 +219,12 @@ impl<M: Media> Paths<'_, '_, M> {
             }
             *look = Look { point, throughput, level: drawn * throughput.dot(LUMINANCE) };
         }
-        let Some((look, probability)) = Look::pick(looks, numbers[3]) else { return };
+        if numbers[3] >= drawing {
+            air.skip();
+            return;
+        }
+        let Some((look, probability)) = Look::pick(looks, numbers[3] / drawing) else { return };
+        let probability = probability * drawing / share;
         if let Some(straight) = self.draw_in_air(look.point, step.dir, air.next4(), counters) {
             radiance[step.last_leg.of_collision()] += look.throughput * straight / probability;
         }
@@ -262,8 +296,14 @@ impl<M: Media> Paths<'_, '_, M> {
         if !M::PRESENT || !self.emitters.has_lamps() {
             return None;
         }
-        let ([pick, polar, azimuth, crossing], u) = (air.next4(), air.next4());
+        let [pick, polar, azimuth, chosen] = air.next4();
         let (lamp, probability) = self.emitters.lamp_along(start.origin, start.origin, pick)?;
+        let share = self.share_around(start, lamp);
+        if chosen >= share {
+            air.skip();
+            return None;
+        }
+        let (u, crossing, probability) = (air.next4(), chosen / share, probability * share);
         let Around { dir, cos, sin } = Around::draw(start, lamp, [polar, azimuth])?;
         let arrival = self.travel(start.origin, dir, crossing, counters);
         let leg = Leg { origin: start.origin, dir, length: arrival.distance };
@@ -271,6 +311,17 @@ impl<M: Media> Paths<'_, '_, M> {
         let (radiance, aperture, offset) =
             self.scattered_once(&leg, stretch, lamp, [u[0], u[1], u[2]], &arrival, counters)?;
         Some((radiance * (aperture * Around::over_density(sin, offset) / probability), dir, cos))
+    }
+
+    /// Share of paths that look for a lamp's light around their start, by how much of it collides on its way there.
+    fn share_around(&self, start: &Vertex, lamp: &Light) -> f32 {
+        if !M::CACHED {
+            return 1.0;
+        }
+        let way = punctual::ball(lamp).map_or(Vec3::ZERO, |ball| ball.0 - start.origin);
+        let length = way.length();
+        let leg = Leg { origin: start.origin, dir: way / length.max(f32::MIN_POSITIVE), length };
+        (self.media.looks_per_collision() * opacity(self.media.transmittance(&leg))).min(1.0)
     }
 
     /// One point of the leg, drawn equi-angularly about a lamp: the lamp's light scattered there back along the leg, over

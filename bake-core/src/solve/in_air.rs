@@ -9,7 +9,7 @@ use super::sampler::hash;
 use super::tables::medium::Tabled;
 use super::tables::paper::PaperPaths;
 use super::tables::{self, TablePaths};
-use super::{Lightmap, LightmapSettings, Mode, emitters, pages, paths, solve_pages};
+use super::{Lightmap, LightmapSettings, Mode, emitters, pages, paths, pilot, solve_pages};
 use crate::atlas::Atlas;
 use crate::progress::{Interrupted, Progress};
 use crate::trace::Tracer;
@@ -76,6 +76,9 @@ impl<'a> InAir<'a> {
             }
             Self::Grid(fog, grid, [rays, shadow_rays, cut_paths]) => {
                 let lit = Lit::new(fog.clone(), grid, tracer);
+                let emitters = emitters(tracer, settings);
+                let spread = pilot::spread_of_samples(&paths(tracer, &emitters, &lit, settings), atlas, settings.seed);
+                let lit = lit.beside(spread);
                 let mut lightmap = pages(tracer, &lit, atlas, settings, progress)?;
                 lightmap.rays += rays;
                 lightmap.shadow_rays += shadow_rays;

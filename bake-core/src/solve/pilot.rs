@@ -1,9 +1,12 @@
-//! A first look at the light on texels, a few thousand paths long: what bounds on contributions are shares of.
+//! A first look at the light on texels, a few thousand paths long: what bounds on contributions are shares of, and what paths
+//! spend on the air is weighed against.
 
 use super::emitters::Emitters;
 #[cfg(feature = "media")]
 use super::media::Fog;
 use super::media::{Media, Vacuum};
+#[cfg(feature = "media")]
+use super::noise::Noise;
 use super::path::{Counters, Gather, Paths};
 use super::sampler::{Sampler, hash};
 use super::texels::Start;
@@ -29,11 +32,12 @@ const ESCAPING_SEED: u32 = 0x6f70_656e;
 /// standard deviations).
 pub fn median(tracer: &Tracer, air: &MediumSet, atlas: &Atlas, settings: &LightmapSettings) -> f64 {
     let emitters = Emitters::new(tracer);
-    let mut levels = match absorbing(air) {
+    let texels = match absorbing(air) {
         #[cfg(feature = "media")]
-        Some(air) => levels(&paths(tracer, &emitters, &Fog::new(&air), settings), atlas, settings.seed),
-        _ => levels(&paths(tracer, &emitters, &Vacuum, settings), atlas, settings.seed),
+        Some(air) => samples(&paths(tracer, &emitters, &Fog::new(&air), settings), atlas, settings.seed),
+        _ => samples(&paths(tracer, &emitters, &Vacuum, settings), atlas, settings.seed),
     };
+    let mut levels: Vec<f64> = texels.iter().map(|texel| mean(texel)).collect();
     levels.sort_by(f64::total_cmp);
     let count = levels.len() as f64;
     let rank = (0.5 * count - 1.5 * count.sqrt()).max(0.0);
@@ -76,25 +80,40 @@ fn spread(atlas: &Atlas) -> Vec<(&Page, &Texel)> {
     (0..count).map(|index| texels[index * texels.len() / count]).collect()
 }
 
-fn levels<M: Media>(paths: &Paths<M>, atlas: &Atlas, seed: u32) -> Vec<f64> {
+/// How far single samples spread about the value of their texel, as a share of it or of the median: root mean square as
+/// in [`super::PageReport::error`].
+#[cfg(feature = "media")]
+pub(super) fn spread_of_samples<M: Media>(paths: &Paths<M>, atlas: &Atlas, seed: u32) -> f32 {
+    let of = |texel: Vec<f64>| {
+        let level = mean(&texel);
+        let square = texel.iter().map(|sample| (sample - level).powi(2)).sum::<f64>();
+        (level as f32, (square / f64::from(SAMPLES - 1)) as f32)
+    };
+    Noise::of(samples(paths, atlas, seed).into_iter().map(of)).error
+}
+
+fn mean(samples: &[f64]) -> f64 {
+    samples.iter().sum::<f64>() / samples.len() as f64
+}
+
+/// Luminance of each path, by texel.
+fn samples<M: Media>(paths: &Paths<M>, atlas: &Atlas, seed: u32) -> Vec<Vec<f64>> {
     let texels = spread(atlas);
-    let level = |index: usize| {
+    let sample = |index: usize| {
         let (page, texel) = texels[index];
         let starts = texels::starts(paths.tracer(), page, texel);
         if starts.is_empty() {
             return None;
         }
         let seed = hash(hash(seed, SEED), index as u32);
-        let sum: f64 = (0..SAMPLES)
-            .map(|sample| {
-                let mut sampler = Sampler::new(sample, seed);
-                let [u, ..] = sampler.next4();
-                let gathered =
-                    paths.gather(&starts[texels::pick(&starts, u)].vertex, &mut sampler, &Counters::default());
-                f64::from(gathered.terms.into_iter().sum::<Vec3>().dot(LUMINANCE))
-            })
-            .sum();
-        Some(sum / f64::from(SAMPLES))
+        let one = |sample| {
+            let mut sampler = Sampler::new(sample, seed);
+            let [u, ..] = sampler.next4();
+            let start = &starts[texels::pick(&starts, u)].vertex;
+            let gathered = paths.gather(start, &mut sampler, &Counters::default());
+            f64::from(gathered.terms.into_iter().sum::<Vec3>().dot(LUMINANCE))
+        };
+        Some((0..SAMPLES).map(one).collect())
     };
-    (0..texels.len()).into_par_iter().filter_map(level).collect()
+    (0..texels.len()).into_par_iter().filter_map(sample).collect()
 }

@@ -55,6 +55,11 @@ impl Sampler {
         Self::new(self.sample, hash(self.seed, set / SETS)).of_set(set % SETS)
     }
 
+    /// Passes four numbers over, so that those after them stay what they are.
+    pub fn skip(&mut self) {
+        self.set += 1;
+    }
+
     /// The same sample of an independent sequence.
     pub fn fork(&self) -> Self {
         Self::new(self.sample, hash(self.seed, 0x61_6972))

@@ -96,8 +96,13 @@ pub trait Media: Sync {
         InScattered::default()
     }
 
-    /// Collisions that it pays to look at on a path's first leg, at least 1.
-    fn looks(&self, _leg: &Leg) -> usize {
+    /// Look-ups that it pays to make for each collision that would happen; more than one for a collision on a path's first leg.
+    fn looks_per_collision(&self) -> f32 {
+        1.0
+    }
+
+    /// Collisions that it may pay to look at on a path's first leg, at least 1.
+    fn most_looks(&self) -> usize {
         1
     }
 
