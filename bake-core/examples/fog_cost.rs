@@ -2,7 +2,7 @@
 //! surface's own plane, and by `walk`, at equal texel samples in one run. `fog_cost [SCENE [PAGE_SIZE [SAMPLES [TURNS]]]]`.
 //!
 //! Times are processor seconds of all threads, the least of all turns. `prepare` is what a scene takes once: the light grid,
-//! or the factors of tables. Cost at equal noise is error² × time; its `prepare` is left out, as it does not grow with samples.
+//! or the factors of tables. Cost at equal noise is error² × `trace`, as `prepare` does not grow with samples.
 
 use bake_core::job::Job;
 use bake_core::plan::Plan;
@@ -46,7 +46,7 @@ struct Spent {
 impl Spent {
     const NONE: Self = Self { prepare: f64::INFINITY, trace: f64::INFINITY, error: 0.0 };
 
-    /// Of a sample without noise.
+    /// Time for an error of 1.
     fn cost(&self) -> f64 {
         self.error * self.error * self.trace
     }
@@ -58,12 +58,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let file = argument(0, "scenes/hall.glb");
     let file = Path::new(&file);
     let (page_size, samples, turns) =
-        (argument(1, "128").parse()?, argument(2, "32").parse()?, argument(3, "3").parse::<usize>()?);
+        (argument(1, "256").parse()?, argument(2, "32").parse()?, argument(3, "3").parse::<usize>()?);
     let sidecar = settings::sidecar(file);
     let of_scene = if sidecar.exists() { settings::read(&sidecar)? } else { Settings::default() };
     let settings = Settings { page_size, samples: Some(samples), max_pages: Some(1), ..of_scene };
-    let only: usize = std::env::var("AIRS").map_or(3, |n| n.parse().unwrap());
-    for air in AIRS.into_iter().take(only) {
+    for air in AIRS {
         measure(file, &settings, air, turns)?;
     }
     Ok(())
@@ -85,14 +84,13 @@ fn measure(file: &Path, settings: &Settings, (name, air, albedo): (&str, Air, f6
         Ok::<_, Box<dyn Error>>(Way { name, plan, spent: Spent::NONE })
     };
     let own_plane = |on| [(EffectName::OwnPlane, on)];
-    let mut ways: Vec<Way> = vec![
+    let mut ways = [
         way("no air", &job, Mode::Auto, &[])?,
         way("auto", &foggy, Mode::Auto, &[])?,
         way("tables", &foggy, Mode::Tables, &own_plane(true))?,
         way("tables, no own plane", &foggy, Mode::Tables, &own_plane(false))?,
         way("walk", &foggy, Mode::Walk, &[])?,
     ];
-    if std::env::var("AUTO").is_ok() { ways.truncate(2) }
     for _ in 0..turns {
         for way in &mut ways {
             let Spent { prepare, trace, error } = bake(&tracer, &foggy, &way.plan)?;
@@ -141,7 +139,7 @@ fn bake(tracer: &Tracer, job: &Job, plan: &Plan) -> Result<Spent, Box<dyn Error>
 }
 
 fn print(name: &str, sigma_t: f64, ways: &[Way]) {
-    let (vacuum, walk) = (&ways[0], ways.last().unwrap());
+    let [vacuum, .., walk] = ways else { return };
     println!("{name} ({sigma_t:.4} per metre)");
     println!("  way                    prepare    trace  over no air    error  at equal noise over no air  over walk");
     for Way { name, plan, spent } in ways {

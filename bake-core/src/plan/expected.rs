@@ -3,6 +3,7 @@
 //! Points of a closed room and of a courtyard, against the truth of others or against walks: `cargo test -p bake-core --lib
 //! tests::situations tests::fog tests::tables -- --nocapture`, and rooms, a courtyard by day and at night through the program.
 
+use super::steps::is_hard;
 use crate::air::Air;
 use crate::scene::{LightKind, Scene};
 use crate::solve::Mode;
@@ -29,7 +30,7 @@ pub(super) struct Situation {
     pub has_sky: bool,
     /// Whether density changes from place to place.
     pub is_uneven: bool,
-    /// Whether air ends within the scene.
+    /// Whether air ends within the scene, or its density steps there.
     pub has_edges: bool,
 }
 
@@ -43,7 +44,7 @@ impl Situation {
             has_sun: scene.lights.iter().any(|light| matches!(light.kind, LightKind::Directional { .. })),
             has_sky: scene.environment.is_some(),
             is_uneven: media.len() > 1 || media.iter().any(|m| m.density != Density::Uniform),
-            has_edges: media.iter().any(|m| ends_within(m.bounds.bounding_box(), air.scene)),
+            has_edges: media.iter().any(|m| ends_within(m.bounds.bounding_box(), air.scene) || is_hard(m, air.scene)),
         }
     }
 
@@ -87,7 +88,7 @@ impl Situation {
 }
 
 /// Whether a box leaves out more than a hundredth of the scene's along some axis.
-fn ends_within([low, high]: [DVec3; 2], scene: [DVec3; 2]) -> bool {
+pub(super) fn ends_within([low, high]: [DVec3; 2], scene: [DVec3; 2]) -> bool {
     let slack = 0.01 * (scene[1] - scene[0]);
     (low - slack).cmpgt(scene[0]).any() || (high + slack).cmplt(scene[1]).any()
 }

@@ -8,6 +8,7 @@ mod expected;
 mod lattices;
 mod mode;
 pub mod reduce;
+mod steps;
 
 pub use effects::Effect;
 pub use lattices::Lattices;

@@ -45,13 +45,21 @@ impl Choice {
             }
             settings::Mode::Auto => automatic(&situation, cells),
         };
-        Self { mode, why, expected_error: situation.error(mode) }
+        Self { mode, why: why + &told_steps(air), expected_error: situation.error(mode) }
     }
 
     /// Another mode instead, with the reason.
     pub(super) fn instead(scene: &Scene, air: &Air, mode: Mode, why: &str, escaping: f64) -> Self {
         let situation = Situation::new(scene, air, optical_size(air).0, escaping);
-        Self { mode, why: why.into(), expected_error: situation.error(mode) }
+        Self { mode, why: why.to_owned() + &told_steps(air), expected_error: situation.error(mode) }
+    }
+}
+
+/// Says where tables would err.
+fn told_steps(air: &Air) -> String {
+    match &super::steps::steps(air)[..] {
+        [] => String::new(),
+        names => format!("; hard density steps ({}): grid or walk, where tables blur them", names.join(", ")),
     }
 }
 
@@ -141,6 +149,12 @@ mod tests {
         cube.media.media[0].bounds = Bounds::Box { min: DVec3::splat(0.3), max: DVec3::splat(0.7) };
         let of_cube = Choice::derive(&Scene::default(), &cube, &settings(settings::Mode::Tables), 0.0).expected_error;
         assert!(of_cube > error(settings::Mode::Tables, 0.0), "air that ends within the room is harder");
+        for mode in [settings::Mode::Auto, settings::Mode::Tables] {
+            let why = |air| Choice::derive(&Scene::default(), air, &settings(mode), 0.0).why;
+            assert!(why(&cube).contains("hard density steps (fog)"), "{}", why(&cube));
+            assert!(!why(&air).contains("hard density steps"), "{}", why(&air));
+        }
+        assert_eq!(Choice::derive(&Scene::default(), &cube, &settings(settings::Mode::Auto), 0.0).mode, Mode::Grid);
     }
 
     #[test]

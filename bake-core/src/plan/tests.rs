@@ -190,3 +190,29 @@ fn single_scattering_alone_has_no_second_order() {
     let tables = |on| with(settings::Mode::Tables, on).solver.mode;
     assert_eq!([tables(true), tables(false)], [Mode::Tables, Mode::Grid]);
 }
+
+/// Tables without points of the own plane: others stand for them, and what moves stays within its bound.
+#[test]
+fn the_own_plane_is_left_out_within_its_bound() {
+    let scene = room(false);
+    let tracer = Tracer::new(&scene);
+    let of = |on: bool| {
+        let settings = Settings { mode: settings::Mode::Tables, ..settings_of(256, &[(EffectName::OwnPlane, on)]) };
+        let mut plan = plan(&tracer, &smoke(2.0), &settings);
+        plan.solver.tables = solve::Effort { stations: 256, rays: 64, ..plan.solver.tables };
+        let runs: Vec<_> = (0..4).map(|seed| bake(&tracer, &plan, seed)).collect();
+        (plan, runs)
+    };
+    let ((with, on), (without, off)) = (of(true), of(false));
+    let listed = |plan: &Plan| plan.effects.iter().find(|effect| effect.name == "own-plane").expect("listed").clone();
+    assert!(listed(&with).on && !listed(&without).on && with.solver.tables.own_plane && !without.solver.tables.own_plane);
+    let bound = listed(&with).bound;
+    let (change, noise) = change(&on, &off);
+    println!("own plane: changes {change:.4} ± {noise:.4}, bound {bound:.4}");
+    assert!(bound.is_finite() && change - 2.0 * noise <= bound, "{change} ± {noise} beyond {bound}");
+    assert_ne!(on, off, "it must be felt");
+    let thin = Settings { mode: settings::Mode::Tables, ..settings_of(16, &[]) };
+    assert!(!plan(&tracer, &smoke(3e-4), &thin).solver.tables.own_plane, "too little to matter");
+    let walk = plan(&tracer, &smoke(2.0), &settings_of(16, &[]));
+    assert_eq!((listed(&walk).on, listed(&walk).bound), (false, 0.0), "walks find it");
+}

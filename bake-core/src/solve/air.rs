@@ -293,7 +293,7 @@ impl<M: Media> Paths<'_, '_, M> {
         air: &mut Sampler,
         counters: &Counters,
     ) -> Option<(Vec3, Vec3, f32)> {
-        if !M::PRESENT || !self.emitters.has_lamps() {
+        if !M::PRESENT || !self.emitters.has_lamps() || !self.media.scatters_again(0) {
             return None;
         }
         let [pick, polar, azimuth, chosen] = air.next4();

@@ -179,7 +179,9 @@ impl LightGrid {
         let beam = Beam { origin, dir, flux };
         let arrival =
             self.shine(paths, &beam, &shape, numbers, counters, |node, i, light| sums[node].straight[i] += light);
-
+        if !paths.media.scatters_again(1) {
+            return;
+        }
         let ([u, v, along, choice], [crossing, jitter, corner, lead]) = (sampler.next4(), sampler.next4());
         let leg = Leg { origin, dir, length: arrival.distance };
         let Some((distance, weight)) = paths.media.collide(&leg, flux, [lead, along]) else { return };

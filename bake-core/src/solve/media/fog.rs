@@ -58,7 +58,7 @@ impl Media for Fog<'_> {
     const PRESENT: bool = true;
 
     fn scatters_again(&self, collisions: u32) -> bool {
-        collisions < self.most_collisions
+        self.scatters && collisions < self.most_collisions
     }
 
     fn transmittance(&self, leg: &Leg) -> Vec3 {
