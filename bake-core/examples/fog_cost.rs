@@ -68,7 +68,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn measure(file: &Path, settings: &Settings, (name, air, albedo): (&str, Air, f64), turns: usize) -> Result<(), Box<dyn Error>> {
+fn measure(
+    file: &Path,
+    settings: &Settings,
+    (name, air, albedo): (&str, Air, f64),
+    turns: usize,
+) -> Result<(), Box<dyn Error>> {
     let job = Job::prepare(file, settings.clone(), &Silent)?;
     let [low, high] = job.scene.bounds();
     let sigma_t = match air {

@@ -58,6 +58,8 @@ pub(super) struct Collision {
 pub(super) const MOST_LOOKS: usize = 4;
 /// Looks at a path's first leg for one at a later leg: what they bring is not weakened by a reflection.
 const FIRST_LOOKS: f32 = 2.0;
+/// The same for looks around the start, of which the whole line is counted, as if nothing stood in its way.
+const AROUND_LOOKS: f32 = 0.5;
 /// Share of draws that go to any of them.
 const EVENLY: f32 = 0.2;
 
@@ -298,13 +300,13 @@ impl<M: Media> Paths<'_, '_, M> {
         }
         let [pick, polar, azimuth, chosen] = air.next4();
         let (lamp, probability) = self.emitters.lamp_along(start.origin, start.origin, pick)?;
-        let share = self.share_around(start, lamp);
+        let u = air.next4();
+        let Around { dir, cos, sin } = Around::draw(start, lamp, [polar, azimuth])?;
+        let share = self.share_around(start.origin, dir);
         if chosen >= share {
-            air.skip();
             return None;
         }
-        let (u, crossing, probability) = (air.next4(), chosen / share, probability * share);
-        let Around { dir, cos, sin } = Around::draw(start, lamp, [polar, azimuth])?;
+        let (crossing, probability) = (chosen / share, probability * share);
         let arrival = self.travel(start.origin, dir, crossing, counters);
         let leg = Leg { origin: start.origin, dir, length: arrival.distance };
         let stretch = self.media.scattering_stretch(&leg)?;
@@ -313,15 +315,13 @@ impl<M: Media> Paths<'_, '_, M> {
         Some((radiance * (aperture * Around::over_density(sin, offset) / probability), dir, cos))
     }
 
-    /// Share of paths that look for a lamp's light around their start, by how much of it collides on its way there.
-    fn share_around(&self, start: &Vertex, lamp: &Light) -> f32 {
+    /// Share of paths that look for a lamp's light in a direction around their start, by what the air stops there at most.
+    fn share_around(&self, origin: Vec3, dir: Vec3) -> f32 {
         if !M::CACHED {
             return 1.0;
         }
-        let way = punctual::ball(lamp).map_or(Vec3::ZERO, |ball| ball.0 - start.origin);
-        let length = way.length();
-        let leg = Leg { origin: start.origin, dir: way / length.max(f32::MIN_POSITIVE), length };
-        (self.media.looks_per_collision() * opacity(self.media.transmittance(&leg))).min(1.0)
+        let stopped = opacity(self.media.transmittance(&Leg { origin, dir, length: f32::INFINITY }));
+        (AROUND_LOOKS * self.media.looks_per_collision() * stopped).min(1.0)
     }
 
     /// One point of the leg, drawn equi-angularly about a lamp: the lamp's light scattered there back along the leg, over
