@@ -198,7 +198,7 @@ fn once(d: f64, theta: f64) -> [f64; 3] {
     [point::compute_single(d, &isotropic, 1)[0][0], directional::compute_single(d, &isotropic, 1)[0][0], area]
 }
 
-/// Orders from two on summed up to some, and without end; errors of the l = 0 coefficient of the same place.
+/// Orders from two on summed up to some, and without end; errors of the l = 0 coefficient of the same place. Areas up to 8 mean free paths.
 #[test]
 fn higher_orders_agree_with_direct_evaluation_anywhere() {
     let long = std::env::var_os("BAKE_LONG").is_some();
@@ -244,7 +244,9 @@ fn higher_orders_agree_with_direct_evaluation_anywhere() {
     for (place, errors) in places.iter().zip(all_errors) {
         for ((_, exact), errors) in kinds.iter().zip(errors) {
             let what = || format!("{:?} {place:?}", exact.scatter);
-            worst.iter_mut().zip(errors).for_each(|(worst, error)| worst.record(error, what));
+            // Seventeen degrees of an area's series are no truth farther away: `spots.rs` has the whole of it.
+            let told = if place.sigma * place.distance > 8.0 { 2 } else { 3 };
+            worst.iter_mut().zip(errors).take(told).for_each(|(worst, error)| worst.record(error, what));
         }
     }
     worst.iter().for_each(Worst::check);
