@@ -95,8 +95,8 @@ pub struct SettingsFlags {
     #[arg(long = "fog", value_name = "RECORD", help_heading = "Light", value_parser = values::optional(values::fog))]
     media: Option<Given<Vec<Medium>>>,
 
-    /// A grid of probes: metres apart, or spacing_m=1[,bounds=x0:y0:z0:x1:y1:z1] or spacing_m=1,origin=x:y:z,count=x:y:z;
-    /// visibility=true adds how far each sees
+    /// Probes: metres apart, or spacing_m=1[,bounds=x0:y0:z0:x1:y1:z1] or spacing_m=1,origin=x:y:z,count=x:y:z or
+    /// spacing_m=1,points=x:y:z/x:y:z one by one; visibility=true adds how far each sees
     #[arg(hide = true, long, value_name = "M", value_parser = values::optional(values::probes))]
     probes: Option<Given<Probes>>,
     /// Light at cells around the air, at most so many metres wide; 1/32 of the longest side without a number

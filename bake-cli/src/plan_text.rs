@@ -40,9 +40,9 @@ pub fn text(name: &str, plan: &Plan) -> String {
         let state = if effect.on { "on " } else { "off" };
         line("effect", format!("{state} {:<31} {:<10} {}", effect.name, bound(effect.bound), effect.why));
     }
-    for (name, lattice) in [("probes", plan.lattices.probes), ("cells", plan.lattices.fog_volume)] {
+    for (name, lattice) in [("probes", &plan.lattices.probes), ("cells", &plan.lattices.fog_volume)] {
         if let Some(lattice) = lattice {
-            line(name, lattice_text(&lattice));
+            line(name, lattice_text(lattice));
         }
     }
     let cost = &plan.cost;
@@ -97,6 +97,9 @@ pub fn bound(bound: f64) -> String {
 fn lattice_text(lattice: &Lattice) -> String {
     let ([x, y, z], spacing) = (lattice.count.to_array(), lattice.spacing.as_dvec3());
     let spacing = channels(spacing.to_array(), number);
+    if !lattice.listed.is_empty() {
+        return format!("{} points, listed, in cells of {spacing} m", lattice.points());
+    }
     format!("{} points, {x} × {y} × {z} from {} m, {spacing} m apart", lattice.points(), lattice.origin)
 }
 

@@ -160,19 +160,20 @@ pub fn node(text: &str) -> Result<(String, Node), String> {
     Ok((name.to_owned(), node))
 }
 
-/// Metres between probes; or `spacing_m=1[,bounds=x0:y0:z0:x1:y1:z1]`, `spacing_m=1,origin=x:y:z,count=x:y:z`, either with
-/// `visibility=true`.
+/// Metres between probes; or `spacing_m=1[,bounds=x0:y0:z0:x1:y1:z1]`, `spacing_m=1,origin=x:y:z,count=x:y:z`,
+/// `spacing_m=1,points=x:y:z/x:y:z`, each with `visibility=true`.
 pub fn probes(text: &str) -> Result<Probes, String> {
-    let mut probes = Probes { spacing_m: 0.0, bounds: Bounds::Scene, origin: None, count: None, visibility: false };
+    let mut probes = Probes::default();
     if !text.contains('=') {
         return Ok(Probes { spacing_m: number(text)?, ..probes });
     }
-    for (key, value) in pairs(text, &["spacing_m", "bounds", "origin", "count", "visibility"])? {
+    for (key, value) in pairs(text, &["spacing_m", "bounds", "origin", "count", "points", "visibility"])? {
         match key {
             "spacing_m" => probes.spacing_m = number(value)?,
             "bounds" => probes.bounds = corners(value)?,
             "origin" => probes.origin = Some(triple(value)?),
             "count" => probes.count = Some(triple(value)?),
+            "points" => probes.points = value.split('/').map(triple).collect::<Result<_, _>>()?,
             _ => probes.visibility = number(value)?,
         }
     }
@@ -271,14 +272,19 @@ mod tests {
 
     #[test]
     fn probes_stand_in_a_box_or_by_hand() {
-        let spaced = Probes { spacing_m: 0.5, bounds: Bounds::Scene, origin: None, count: None, visibility: false };
+        let spaced = Probes { spacing_m: 0.5, ..Probes::default() };
         assert_eq!(probes("0.5"), Ok(spaced.clone()));
         assert_eq!(probes("spacing_m=0.5,visibility=true"), Ok(Probes { visibility: true, ..spaced.clone() }));
         let bounds = Bounds::Box { min: [0.0; 3], max: [1.0, 2.0, 3.0] };
         assert_eq!(probes("spacing_m=0.5,bounds=0:0:0:1:2:3"), Ok(Probes { bounds, ..spaced.clone() }));
+        let points = vec![[0.0, 1.5, -1.0], [2.0, 1.5, 3.0]];
+        let listed = Probes { points, ..spaced.clone() };
+        assert_eq!(probes("spacing_m=0.5,points=0:1.5:-1/2:1.5:3"), Ok(listed));
         let by_hand = Probes { origin: Some([1.0, 0.0, -1.0]), count: Some([2, 3, 4]), ..spaced };
         assert_eq!(probes("spacing_m=0.5,origin=1:0:-1,count=2:3:4"), Ok(by_hand));
-        for wrong in ["", "x", "spacing_m=1,count=1:2", "spacing=1"] {
+        for wrong in
+            ["", "x", "spacing_m=1,count=1:2", "spacing=1", "spacing_m=1,points=0:1/0:1:2", "spacing_m=1,points="]
+        {
             assert!(probes(wrong).is_err(), "{wrong}");
         }
     }

@@ -202,7 +202,7 @@ pub struct InstanceRecord {
     pub uv_scale: Vec2,
 }
 
-/// A box of points with light, probes or the middles of fog cells; point (ix, iy, iz) is pixel x = ix + nx·iz, y = iy.
+/// Points with light, probes or the middles of fog cells; point (ix, iy, iz) is pixel x = ix + nx·iz, y = iy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProbeGrid {
@@ -212,10 +212,20 @@ pub struct ProbeGrid {
     pub visibility: Option<String>,
     /// Position of point (0, 0, 0), metres.
     pub origin: Vec3,
-    /// Distance of neighbours, metres.
+    /// Distance of neighbours, metres; of listed points the size of the cell around each.
     pub spacing: Vec3,
-    /// Number of points along x, y, z.
+    /// Number of points along x, y, z; of listed points their number, 1, 1.
     pub count: [u32; 3],
+    /// Positions of points that were listed one by one, metres; none where they lie at equal distances.
+    #[serde(default)]
+    pub points: Vec<Vec3>,
+}
+
+impl ProbeGrid {
+    /// Whether the list of points, if there is one, is as long as `count` says.
+    fn is_whole(&self) -> bool {
+        self.points.is_empty() || self.count == [self.points.len() as u32, 1, 1]
+    }
 }
 
 /// Error of the bake by its own estimate.
@@ -337,10 +347,11 @@ impl Manifest {
         for (name, grid) in [("probes", &self.probes), ("fog_volume", &self.fog_volume)] {
             if let Some(grid) = grid
                 && (std::iter::once(&grid.file).chain(&grid.visibility).any(|file| self.file(file).is_none())
-                    || grid.count.contains(&0))
+                    || grid.count.contains(&0)
+                    || !grid.is_whole())
             {
-                let found = format!("{} {:?}", grid.file, grid.count);
-                return invalid(name.into(), found, "a listed file of 1+ points");
+                let found = format!("{} {:?}, {} listed", grid.file, grid.count, grid.points.len());
+                return invalid(name.into(), found, "a listed file of 1+ points, as many as are listed if any are");
             }
         }
         Ok(())

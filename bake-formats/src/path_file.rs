@@ -18,7 +18,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Version written, and the only one read.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 const MAGIC: &[u8; 8] = b"BAKEPTH\n";
 const FORMAT: &str = "paths";
@@ -35,6 +35,8 @@ pub struct PathHeader {
     pub texels: Vec<u32>,
     /// Sequences that the samples of a texel are split into.
     pub replicates: u32,
+    /// Of so many paths one is kept.
+    pub thinning: u32,
     /// Points that factors are looked up at.
     pub stations: u32,
 }
@@ -224,7 +226,7 @@ mod tests {
     use super::*;
 
     fn header() -> PathHeader {
-        PathHeader { texels: vec![70, 3], replicates: 8, stations: 100 }
+        PathHeader { texels: vec![70, 3], replicates: 8, thinning: 4, stations: 100 }
     }
 
     fn tag(page: u32) -> ChunkTag {

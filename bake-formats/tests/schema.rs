@@ -88,8 +88,9 @@ fn written() -> Value {
     let (path, name) = ("root/a".into(), "a".into());
     manifest.instances = vec![InstanceRecord { baked_node: 0, node: 7, path, name, page: 0, uv_offset, uv_scale }];
     let (file, origin, spacing) = (lightmap.clone(), Vec3::ZERO, Vec3::ONE);
-    manifest.probes = Some(ProbeGrid { file, visibility: Some(terms.clone()), origin, spacing, count: [2, 1, 1] });
-    manifest.fog_volume = manifest.probes.clone().map(|grid| ProbeGrid { visibility: None, ..grid });
+    let (visibility, points) = (Some(terms.clone()), vec![Vec3::ZERO, Vec3::ONE]);
+    manifest.probes = Some(ProbeGrid { file, visibility, origin, spacing, count: [2, 1, 1], points });
+    manifest.fog_volume = manifest.probes.clone().map(|grid| ProbeGrid { visibility: None, points: vec![], ..grid });
     manifest.pages =
         vec![PageRecord { width: 1, height: 1, sh1: Some(terms.clone()), raw: Some(terms.clone()), lightmap, terms }];
     let path = writer.finish(manifest).unwrap();

@@ -181,16 +181,16 @@ fn trace(
         lightmap.shadow_rays += without.shadow_rays;
         vacuum = Some(without.pages);
     }
-    let mut lattice = |name, lattice: Option<Lattice>| -> Result<Option<LatticeLight>, Failure> {
+    let mut lattice = |name, lattice: &Option<Lattice>| -> Result<Option<LatticeLight>, Failure> {
         let Some(lattice) = lattice else { return Ok(None) };
-        let light = stopwatch.time(name, || solver.lattice(&lattice, progress))?;
+        let light = stopwatch.time(name, || solver.lattice(lattice, progress))?;
         lightmap.rays += light.report.rays;
         lightmap.shadow_rays += light.report.shadow_rays;
         lightmap.cut_paths += light.report.cut_paths;
         Ok(Some(light))
     };
-    let mut probes = lattice("probes", plan.lattices.probes)?;
-    let fog_volume = lattice("fog volume", plan.lattices.fog_volume)?;
+    let mut probes = lattice("probes", &plan.lattices.probes)?;
+    let fog_volume = lattice("fog volume", &plan.lattices.fog_volume)?;
     if let Some(probes) = probes.as_mut().filter(|_| job.settings.probes.as_ref().is_some_and(|set| set.visibility)) {
         probes.visibility = Some(stopwatch.time("probes", || visibility::moments(tracer, probes, progress))?);
     }

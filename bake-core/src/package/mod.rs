@@ -128,8 +128,8 @@ fn write_lattice(
     let file = writer.add_image(&format!("{kind}.exr"), image, pixels)?;
     let seen =
         images::visibility(light).map(|image| writer.add_image(&format!("{kind}.visibility.exr"), &image, pixels));
-    let Lattice { origin, spacing, count } = light.lattice;
-    Ok(ProbeGrid { file, visibility: seen.transpose()?, origin, spacing, count: count.to_array() })
+    let Lattice { origin, spacing, count, listed } = light.lattice.clone();
+    Ok(ProbeGrid { file, visibility: seen.transpose()?, origin, spacing, count: count.to_array(), points: listed })
 }
 
 /// Records of the media; density grids go into images, in full precision because they are no result.

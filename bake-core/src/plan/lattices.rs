@@ -13,7 +13,7 @@ use serde::Serialize;
 const USUAL_CELLS: f32 = 32.0;
 
 /// The lattices that settings ask for.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Lattices {
     /// Of probes.
     pub probes: Option<Lattice>,
@@ -33,14 +33,18 @@ impl Lattices {
         if let Some(probes) = &settings.probes {
             let spacing = probes.spacing_m;
             let lattice = match (probes.origin, probes.count, &probes.bounds) {
+                _ if !probes.points.is_empty() => {
+                    Lattice::listed(probes.points.iter().copied().map(Vec3::from).collect(), spacing)
+                }
                 (Some(origin), Some(count), _) => {
-                    Lattice { origin: origin.into(), spacing: Vec3::splat(spacing), count: UVec3::from(count) }
+                    Lattice::even(origin.into(), Vec3::splat(spacing), UVec3::from(count))
                 }
                 (_, _, Bounds::Box { min, max }) => Lattice::filling((*min).into(), (*max).into(), spacing),
                 _ => Lattice::filling(bounds[0], bounds[1], spacing),
             };
             let tile = if probes.visibility { visibility::SIZE } else { 1 };
-            lattices.probes = Some(check("probes.spacing_m", spacing, lattice, tile)?);
+            let key = if probes.points.is_empty() { "probes.spacing_m" } else { "probes.points" };
+            lattices.probes = Some(check(key, spacing, lattice, tile)?);
         }
         if let Some(volume) = &settings.fog_volume {
             let (min, max) = if air.scatters() { region(&air.media, bounds) } else { (bounds[0], bounds[1]) };
@@ -52,7 +56,7 @@ impl Lattices {
 
     /// Points of both.
     pub fn points(&self) -> u64 {
-        [self.probes, self.fog_volume].iter().flatten().map(Lattice::points).sum()
+        [&self.probes, &self.fog_volume].into_iter().flatten().map(Lattice::points).sum()
     }
 }
 
@@ -66,7 +70,9 @@ fn check(key: &str, spacing: f32, lattice: Lattice, tile: u32) -> Result<Lattice
     Err(SettingsError::OutOfRange {
         key: key.into(),
         value: format!("{spacing}, which makes {x} × {y} × {z} points"),
-        allowed: format!("at most {points} points, and {across} along x times z: a larger spacing, or a smaller box"),
+        allowed: format!(
+            "at most {points} points, and {across} along x times z: a larger spacing, a smaller box or a shorter list"
+        ),
     })
 }
 
@@ -88,20 +94,25 @@ mod tests {
 
     #[test]
     fn probes_fill_the_scene_or_a_box_or_stand_where_they_are_set() {
-        let spaced = Probes { spacing_m: 1.0, bounds: Bounds::Scene, origin: None, count: None, visibility: false };
+        let spaced = Probes { spacing_m: 1.0, ..Probes::default() };
         let boxed = Probes { bounds: Bounds::Box { min: [0.0; 3], max: [2.0; 3] }, ..spaced.clone() };
         let by_hand = Probes { origin: Some([9.0; 3]), count: Some([1, 2, 3]), ..spaced.clone() };
         for (probes, origin, count) in [(spaced, 0.5, [4, 2, 3]), (boxed, 0.5, [2, 2, 2]), (by_hand, 9.0, [1, 2, 3])] {
             let settings = Settings { probes: Some(probes), ..Settings::default() };
             let lattice = lay_out(&settings, &Air::default()).expect("fits").probes.expect("asked for");
-            let expected = Lattice { origin: Vec3::splat(origin), spacing: Vec3::ONE, count: UVec3::from(count) };
-            assert_eq!(lattice, expected);
+            assert_eq!(lattice, Lattice::even(Vec3::splat(origin), Vec3::ONE, UVec3::from(count)));
         }
+        let points = vec![[3.0, 1.0, 2.0], [0.5, 1.0, 0.5]];
+        let one_by_one = Probes { spacing_m: 0.5, points, ..Probes::default() };
+        let settings = Settings { probes: Some(one_by_one), ..Settings::default() };
+        let lattice = lay_out(&settings, &Air::default()).expect("fits").probes.expect("asked for");
+        assert_eq!((lattice.count, lattice.spacing), (UVec3::new(2, 1, 1), Vec3::splat(0.5)));
+        assert_eq!([0, 1].map(|index| lattice.position(index)), [Vec3::new(3.0, 1.0, 2.0), Vec3::new(0.5, 1.0, 0.5)]);
     }
 
     #[test]
     fn more_probes_than_fit_are_refused() {
-        let probes = Probes { spacing_m: 0.01, bounds: Bounds::Scene, origin: None, count: None, visibility: false };
+        let probes = Probes { spacing_m: 0.01, ..Probes::default() };
         let settings = Settings { probes: Some(probes), ..Settings::default() };
         let message = lay_out(&settings, &Air::default()).expect_err("24 million").to_string();
         assert!(message.contains("probes.spacing_m") && message.contains("400 × 200 × 300"), "{message}");
@@ -109,8 +120,7 @@ mod tests {
 
     #[test]
     fn maps_of_what_probes_see_take_more_room() {
-        let probes =
-            |visibility| Probes { spacing_m: 0.05, bounds: Bounds::Scene, origin: None, count: None, visibility };
+        let probes = |visibility| Probes { spacing_m: 0.05, visibility, ..Probes::default() };
         let lay_out = |visibility| {
             let settings = Settings { probes: Some(probes(visibility)), ..Settings::default() };
             lay_out(&settings, &Air::default())
@@ -118,6 +128,18 @@ mod tests {
         assert!(lay_out(false).is_ok());
         let message = lay_out(true).expect_err("too wide").to_string();
         assert!(message.contains("65536 points, and 4096"), "{message}");
+    }
+
+    #[test]
+    fn longer_lists_than_fit_are_refused() {
+        let probes = |count| Probes { spacing_m: 1.0, points: vec![[0.0; 3]; count], ..Probes::default() };
+        let lay_out = |count| {
+            let settings = Settings { probes: Some(probes(count)), ..Settings::default() };
+            lay_out(&settings, &Air::default())
+        };
+        assert!(lay_out(1 << 16).is_ok());
+        let message = lay_out((1 << 16) + 1).expect_err("too wide").to_string();
+        assert!(message.contains("probes.points") && message.contains("65537 × 1 × 1"), "{message}");
     }
 
     #[test]

@@ -97,6 +97,12 @@ impl Probes {
         } else if self.bounds != Bounds::Scene {
             return Err(refusal("probes.bounds", format!("{:?}", self.bounds), "Scene, or Box(min: …, max: …)"));
         }
+        for (index, point) in self.points.iter().enumerate() {
+            channels(&format!("probes.points[{index}]"), *point, -1e9..=1e9)?;
+        }
+        if !self.points.is_empty() && (self.origin, self.count, &self.bounds) != (None, None, &Bounds::Scene) {
+            return Err(refusal("probes.points", "a list", "no list beside `bounds`, `origin` and `count`"));
+        }
         match (self.origin, self.count) {
             (None, None) => Ok(()),
             (Some(origin), Some(count)) if self.bounds == Bounds::Scene => {
@@ -247,6 +253,11 @@ mod tests {
             ("Bake(probes: Probes(spacing_m: 0))", "`probes.spacing_m` is 0"),
             ("Bake(probes: Probes(spacing_m: 1, origin: (0, 0, 0)))", "`probes.count` is absent"),
             ("Bake(probes: Probes(spacing_m: 1, bounds: Unbounded))", "Scene, or Box"),
+            ("Bake(probes: Probes(spacing_m: 1, points: [(0, 1, 0), (0, NaN, 0)]))", "`probes.points[1]`"),
+            (
+                "Bake(probes: Probes(spacing_m: 1, points: [(0, 1, 0)], origin: (0, 0, 0), count: (1, 1, 1)))",
+                "no list beside",
+            ),
             ("Bake(fog_volume: FogVolume(spacing_m: NaN))", "`fog_volume.spacing_m` is NaN"),
             ("Bake(nodes: {\"A\": Node(texels_per_m: 0)})", "`nodes.A.texels_per_m` is 0"),
             ("Bake(media: [Medium(scatter: Look(mean_free_path_m: 2, albedo: (1, 1, 2)))])", "media[0].scatter.albedo"),

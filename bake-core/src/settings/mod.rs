@@ -307,11 +307,12 @@ pub enum Unlit {
     Emit(f32),
 }
 
-/// A regular grid of probes: in the middles of equal cells that fill a box, or by hand from `origin` on.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// Probes: a regular grid in the middles of equal cells that fill a box, or by hand from `origin` on; or a list of points.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Probes {
-    /// Distance between probes, metres; in a box at most that, so that cells fill it evenly.
+    /// Distance between probes, metres; in a box at most that, so that cells fill it evenly. Of listed ones the size of the cell
+    /// around each, within which it may leave walls.
     pub spacing_m: f32,
     /// The box: `Scene` or `Box`.
     #[serde(default)]
@@ -322,6 +323,9 @@ pub struct Probes {
     /// By hand: probes along x, y and z.
     #[serde(default)]
     pub count: Option<[u32; 3]>,
+    /// By hand, one by one: positions, metres.
+    #[serde(default)]
+    pub points: Vec<Rgb>,
     /// Whether maps of how far each probe sees are stored.
     #[serde(default)]
     pub visibility: bool,

@@ -40,7 +40,8 @@ Bake(
     mode: Auto,             // how light in the air is solved: Walk (unbiased, slow), Grid (fast), Tables (fastest in rooms), Paper (published, biased); Auto: the plan chooses
     media: None,            // [Medium(bounds: Scene, scatter: Look(mean_free_path_m: 20, albedo: (0.9, 0.9, 0.9)), phase: HenyeyGreenstein(0.3))]
     probes: None,           // Probes(spacing_m: 1.0): over the scene; with bounds: Box(min: (0, 0, 0), max: (4, 3, 4)) over a box;
-                            // with origin: (0.5, 0.5, 0.5), count: (4, 3, 4) exactly there; visibility: true adds how far they see
+                            // with origin: (0.5, 0.5, 0.5), count: (4, 3, 4) exactly there; with points: [(0.5, 1.6, 2), (3, 1.6, 2)]
+                            // one by one; visibility: true adds how far they see
     fog_volume: None,       // FogVolume(spacing_m: 0.5): light at cells around the air, for volumetric rendering
     keep_vacuum: false,     // also the total without air, beside the terms
 

@@ -7,18 +7,24 @@ pub const FILE_SUFFIX: &str = "paths.zst";
 
 /// Chunks that are in memory together.
 pub(super) const CHUNKS: usize = 64;
-/// Most samples of a sequence in one chunk.
-pub(super) const MOST_SAMPLES: u32 = 32;
+/// Most samples of a sequence that a chunk speaks for.
+pub(super) const MOST_SAMPLES: u32 = 256;
+/// Of so many paths one is kept in a scene that looks escape from, and in a closed one: the air's end and its layers make paths
+/// of open scenes less alike.
+pub(super) const THINNING: [u32; 2] = [4, 8];
 
 /// Bytes of a path on disk, about: measured 360 in a room of grey walls and 540 in a coloured one.
 const BYTES_PER_PATH: u64 = 450;
+/// Bytes of what is known of all paths of a texel: means of three channels for each sequence, air and term, of the few and of all.
+const BYTES_PER_TEXEL: u64 = 12 * (2 * REPLICATES * 3 * 4) as u64;
 
 /// Most bytes of paths that a bake is let write.
 pub const MOST_BYTES: u64 = 256_000_000_000;
 /// Bytes of paths in memory at most.
-pub const MEMORY_BYTES: u64 = (CHUNKS * TEXELS_PER_TASK * MOST_SAMPLES as usize * REPLICATES) as u64 * BYTES_PER_PATH;
+pub const MEMORY_BYTES: u64 = (CHUNKS * TEXELS_PER_TASK) as u64
+    * ((MOST_SAMPLES / THINNING[0]) as u64 * REPLICATES as u64 * BYTES_PER_PATH + BYTES_PER_TEXEL);
 
-/// Bytes on disk of so many samples for each of so many texels, about.
+/// Bytes on disk of so many samples for each of so many texels, about; of closed scenes down to half of it.
 pub fn bytes(samples: u64, texels: usize) -> u64 {
-    samples * texels as u64 * BYTES_PER_PATH
+    (samples.div_ceil(THINNING[0].into()) * BYTES_PER_PATH + BYTES_PER_TEXEL) * texels as u64
 }

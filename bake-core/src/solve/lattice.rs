@@ -21,8 +21,8 @@ const STEP: f32 = 0.225;
 /// Distance of surfaces from which a place is taken at once, as a share of the smallest spacing.
 const CLEARANCE: f32 = 0.1;
 
-/// Points at equal distances along each axis.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+/// Points at equal distances along each axis, or listed one by one.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Lattice {
     /// The point with the smallest coordinates, metres.
     pub origin: Vec3,
@@ -30,6 +30,10 @@ pub struct Lattice {
     pub spacing: Vec3,
     /// Points along each axis, at least 1.
     pub count: UVec3,
+    /// Positions of listed points, which count as points along x; the spacing is the size of their cells then. Empty where points
+    /// lie at equal distances.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub listed: Vec<Vec3>,
 }
 
 impl Lattice {
@@ -39,7 +43,18 @@ impl Lattice {
         let count = ((max - min) / spacing - 1e-4).ceil().max(Vec3::ONE);
         let size = (max - min) / count;
         let spacing = Vec3::select(size.cmpgt(Vec3::ZERO), size, Vec3::splat(spacing));
-        Self { origin: min + 0.5 * size, spacing, count: count.as_uvec3() }
+        Self::even(min + 0.5 * size, spacing, count.as_uvec3())
+    }
+
+    /// Points at equal distances from `origin` on.
+    pub fn even(origin: Vec3, spacing: Vec3, count: UVec3) -> Self {
+        Self { origin, spacing, count, listed: vec![] }
+    }
+
+    /// Points one by one, at least one, each in a cell `spacing` wide.
+    pub fn listed(points: Vec<Vec3>, spacing: f32) -> Self {
+        let (origin, count) = (points.first().copied().unwrap_or_default(), points.len() as u32);
+        Self { origin, spacing: Vec3::splat(spacing), count: UVec3::new(count, 1, 1), listed: points }
     }
 
     /// Number of points.
@@ -55,6 +70,9 @@ impl Lattice {
 
     /// Position of a point. Points are numbered as pixels of their image, row by row: x fastest, then z, then y.
     pub fn position(&self, index: usize) -> Vec3 {
+        if let Some(point) = self.listed.get(index) {
+            return *point;
+        }
         let (index, [nx, _, nz]) = (index as u32, self.count.to_array());
         self.origin + UVec3::new(index % nx, index / (nx * nz), index / nx % nz).as_vec3() * self.spacing
     }
@@ -129,13 +147,13 @@ mod tests {
     /// The numbering of pixels: x = ix + nx·iz, y = iy.
     #[test]
     fn points_are_numbered_as_pixels() {
-        let lattice = Lattice { origin: Vec3::ZERO, spacing: Vec3::ONE, count: UVec3::new(2, 3, 4) };
+        let lattice = Lattice::even(Vec3::ZERO, Vec3::ONE, UVec3::new(2, 3, 4));
         for (ix, iy, iz) in [(0, 0, 0), (1, 0, 0), (1, 2, 3), (0, 1, 2)] {
             let pixel = (ix + 2 * iz) + iy * (2 * 4);
             assert_eq!(lattice.position(pixel as usize), UVec3::new(ix, iy, iz).as_vec3());
         }
         assert!(lattice.fits(1));
-        assert!(!Lattice { count: UVec3::splat(u32::MAX), ..lattice }.fits(1));
+        assert!(!Lattice { count: UVec3::splat(u32::MAX), ..lattice.clone() }.fits(1));
         assert!(!Lattice { count: UVec3::new(1 << 9, 1, 1 << 8), ..lattice }.fits(1), "too wide for an image");
     }
 
@@ -148,7 +166,8 @@ mod tests {
         let scene = scene(vec![block, hall, wall], vec![matte(0.5), screen]);
         let tracer = Tracer::new(&scene);
         let at = |origin: Vec3| {
-            let place = Lattice { origin, spacing: Vec3::ONE, count: UVec3::ONE }.settle(&tracer, 0);
+            let place = Lattice::listed(vec![Vec3::splat(99.0), origin], 1.0).settle(&tracer, 1);
+            assert_eq!(place, Lattice::even(origin, Vec3::ONE, UVec3::ONE).settle(&tracer, 0), "listed or not");
             (place, place.map(|place| (place - origin).abs().max_element()))
         };
         assert_eq!(at(Vec3::splat(2.0)).1, Some(0.0), "free air moves nothing");

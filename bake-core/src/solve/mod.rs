@@ -6,6 +6,8 @@
 
 mod air;
 pub mod buffers;
+#[cfg(feature = "media")]
+mod control;
 pub mod emitters;
 #[cfg(feature = "media")]
 pub mod grid;
@@ -480,15 +482,22 @@ impl Estimate {
     /// Takes a range of samples of every replicate, each from `gather(replicate, sample)`; `samples.start` of each were taken
     /// before.
     fn add(&mut self, samples: std::ops::Range<u32>, mut gather: impl FnMut(u32, u32) -> Gathered) {
+        let mut sums = [Gathered::default(); REPLICATES];
+        for (index, sum) in sums.iter_mut().enumerate() {
+            for sample in samples.clone() {
+                sum.add(&gather(index as u32, sample));
+            }
+        }
+        self.add_sums(samples, &sums);
+    }
+
+    /// The same from the sums of every replicate over the range.
+    fn add_sums(&mut self, samples: std::ops::Range<u32>, sums: &[Gathered; REPLICATES]) {
         let mut sum = Gathered::default();
         let (old, new) = (samples.start as f32, samples.end as f32);
-        for (index, mean) in self.replicates.iter_mut().enumerate() {
-            let mut replicate = Gathered::default();
-            for sample in samples.clone() {
-                replicate.add(&gather(index as u32, sample));
-            }
+        for (mean, replicate) in self.replicates.iter_mut().zip(sums) {
             *mean = (*mean * old + replicate.terms.into_iter().sum::<Vec3>()) / new;
-            sum.add(&replicate);
+            sum.add(replicate);
         }
         let count = REPLICATES as f32;
         let blend = |mean: &mut Vec3, sum: Vec3| *mean = (*mean * old + sum / count) / new;

@@ -125,7 +125,7 @@ pub(super) fn solve<M: Media>(
         cut_paths: sums[2],
     };
     let light = estimates.into_iter().map(|estimate| estimate.mean).collect();
-    Ok(LatticeLight { lattice: *lattice, places, light, visibility: None, report })
+    Ok(LatticeLight { lattice: lattice.clone(), places, light, visibility: None, report })
 }
 
 /// See [`LatticeReport::error`].

@@ -178,13 +178,13 @@ impl SceneData {
         let read = |grid, bands| images::read_lattice(package, grid, bands);
         let probes = manifest.probes.as_ref().map(|grid| read(grid, 3)).transpose()?;
         let cells = manifest.fog_volume.as_ref().map(|grid| read(grid, 2)).transpose()?;
-        if let (Some((mut lattice, places)), false) = (cells.or_else(|| probes.clone()), manifest.media.is_empty()) {
+        if let (Some(mut light), false) = (cells.or_else(|| probes.clone()), manifest.media.is_empty()) {
             // A grid too wide to be stored is told by the notes; what it would take away is then left in.
             let media = package.media().map(|(media, _)| media).unwrap_or_default();
-            lamps::take_out(&mut lattice, &places, &manifest.lights, &media);
-            scene.air_light = Some(lattice);
+            lamps::take_out(&mut light.data, &light.places, &manifest.lights, &media);
+            scene.air_light = Some(light.into_even());
         }
-        scene.probes = probes.map(|(lattice, _)| lattice);
+        scene.probes = probes.map(images::Stored::into_even);
         (scene.media, scene.notes) = records::media(package)?;
         Ok(scene)
     }

@@ -182,7 +182,8 @@ impl Encoder {
         self.bytes.extend(number.to_le_bytes());
     }
 
-    fn vector(&mut self, vector: Vec3) {
+    /// Three numbers, exactly.
+    pub fn vector(&mut self, vector: Vec3) {
         vector.to_array().into_iter().for_each(|x| self.number(x));
     }
 
@@ -316,8 +317,9 @@ impl<'b> Decoder<'b> {
         Ok(f32::from_le_bytes(self.take()?))
     }
 
+    /// Three numbers, exactly.
     #[inline]
-    fn vector(&mut self) -> Decoded<Vec3> {
+    pub fn vector(&mut self) -> Decoded<Vec3> {
         Ok(Vec3::new(self.number()?, self.number()?, self.number()?))
     }
 

@@ -27,6 +27,7 @@ use super::sampler::Sampler;
 use crate::trace::Tracer;
 use ahead::Ahead;
 use bake_formats::Term;
+use bake_optics::medium::{Bounds, Density, Medium, MediumSet, Scatter};
 use factors::{Factors, Local};
 use fold::Fold;
 use glam::Vec3;
@@ -99,6 +100,24 @@ impl<'a, 's> TablePaths<'a, 's> {
             factors: &self.factors,
         };
         Gathered { terms: fold.path(path, local), ..Gathered::default() }
+    }
+
+    /// Whether no look escapes from the scene.
+    pub fn is_closed(&self) -> bool {
+        self.view.is_closed
+    }
+
+    /// Air around all surfaces as it might come: thin and even, and thick near the ground.
+    pub fn hazes(&self) -> [MediumSet; 2] {
+        let (wall, [low, high]) = (f64::from(self.view.wall), self.view.region.map(Vec3::as_dvec3));
+        let haze = |optical_size: f64, density: Density| {
+            let bounds = Bounds::Box { min: low - wall, max: high + wall };
+            let sigma_t = optical_size / wall;
+            let scatter = Scatter { sigma_s: [0.9 * sigma_t; 3], sigma_a: [0.1 * sigma_t; 3] };
+            MediumSet { media: vec![Medium { bounds, scatter, density, ..Medium::default() }] }
+        };
+        let layer = Density::Exponential { base_m: low.y, scale_height_m: 0.5 * wall };
+        [haze(0.4, Density::Uniform), haze(2.0, layer)]
     }
 
     /// The emitters that paths meet.

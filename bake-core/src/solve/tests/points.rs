@@ -13,7 +13,7 @@ const FULL: f32 = 3.544_907_7;
 
 /// Eight points, 0.4 m apart, about the origin.
 fn cube() -> Lattice {
-    Lattice { origin: Vec3::splat(-0.2), spacing: Vec3::splat(0.4), count: UVec3::splat(2) }
+    Lattice::even(Vec3::splat(-0.2), Vec3::splat(0.4), UVec3::splat(2))
 }
 
 /// A speck far below: the tracer has something to trace.

@@ -229,8 +229,8 @@ fn of_probes(got: &LatticeLight, walks: &[LatticeLight; 2]) -> [f64; 5] {
 fn probes_in_a_thick_room_and_at_night() {
     let thick = uniform(unit_box(), 3.0, 0.7, Phase::Isotropic);
     let (across, high) = (Vec3::new(4.0, 4.0, 3.0), Vec3::new(-8.0, -8.0, 1.0));
-    let inside = Lattice { origin: Vec3::splat(0.2), spacing: Vec3::splat(0.3), count: UVec3::splat(3) };
-    let yard = Lattice { origin: high, spacing: across, count: UVec3::new(5, 5, 2) };
+    let inside = Lattice::even(Vec3::splat(0.2), Vec3::splat(0.3), UVec3::splat(3));
+    let yard = Lattice::even(high, across, UVec3::new(5, 5, 2));
     let night = point_light(Vec3::new(-1.0, 1.0, 2.0), 100.0);
     let (grid, walks) = if is_long() {
         (GridSettings { cells: 16, samples: 512 }, 1 << 15)
