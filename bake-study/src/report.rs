@@ -14,7 +14,7 @@ const STYLE: &str = "\
 body{font:15px/1.5 system-ui,sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem}\
 table{border-collapse:collapse;margin:.5rem 0 1rem}td,th{text-align:left;padding:.15rem .7rem;border-bottom:1px solid var(--line)}\
 .n{text-align:right;font-variant-numeric:tabular-nums}.bad{color:var(--bad);font-weight:600}\
-figure{display:inline-block;margin:0 1rem 1rem 0;vertical-align:top;font-size:12px;max-width:400px}\
+pre{white-space:pre-wrap}figure{display:inline-block;margin:0 1rem 1rem 0;vertical-align:top;font-size:12px;max-width:400px}\
 figure img{image-rendering:pixelated;width:190px;background:#000}details{margin:.5rem 0 2rem}summary{cursor:pointer}\
 @media (prefers-color-scheme:dark){:root{--bad:#ff7b6b}body{background:#181818;color:#ddd}}\
 @media print{body{max-width:none;background:#fff;color:#000}section{break-inside:avoid}figure{break-inside:avoid}}";
