@@ -115,7 +115,11 @@ fn courtyard_at_final_quality() {
     at_final_quality("courtyard");
 }
 
+/// Points keep 0.15 m from shadow edges: one page of 256 has texels of 0.7 m, the hall's own density 0.125 m. A thousand
+/// samples leave 6 % a texel, hence half a percent in the mean over the points.
 #[test]
-fn hall_at_final_quality() {
-    at_final_quality("hall");
+fn hall_as_set() {
+    if bake_tests::long() {
+        check("hall", "hall, as set, 1024 samples", "--samples 1024", true);
+    }
 }
