@@ -39,6 +39,13 @@ impl Fold<'_> {
         terms
     }
 
+    /// Irradiance at a vertex per irradiance at the next, by a factor of its surroundings at large.
+    pub fn weight(&self, visit: &Visit, step: &Step) -> Vec3 {
+        let weight: Vec3 = self.step(visit, step, self.factors.of_station(visit.station).surfaces).into_iter().sum();
+        // Also of no number, where points coincide.
+        if weight.is_finite() { weight } else { Vec3::ZERO }
+    }
+
     fn chain(&self, start: &Visit, local: &Local, chain: &[Link], terms: &mut [Vec3; 4]) {
         let Some(first) = chain.first() else { return };
         let prefix = self.step(start, &first.step, local.surfaces);

@@ -84,22 +84,29 @@ impl<'a, 's> TablePaths<'a, 's> {
         &self.factors
     }
 
-    /// One path from a vertex, without air.
+    /// One path from a vertex, without air, long enough for other air than the one at hand.
     pub fn record(&self, start: &Vertex, sampler: &mut Sampler, counters: &Counters) -> Path {
-        Recorder { view: &self.view, stations: self.factors.stations(), counters }.record(start, sampler)
+        self.record_for(None, start, sampler, counters)
+    }
+
+    fn record_for(&self, fold: Option<Fold>, start: &Vertex, sampler: &mut Sampler, counters: &Counters) -> Path {
+        Recorder { view: &self.view, stations: self.factors.stations(), counters, fold }.record(start, sampler)
     }
 
     /// What a path, whose start knows `local`, gathers in the air.
     pub fn fold(&self, path: &Path, local: &Local) -> Gathered {
+        Gathered { terms: self.folder().path(path, local), ..Gathered::default() }
+    }
+
+    fn folder(&self) -> Fold<'_> {
         let View { paths, .. } = &self.view;
-        let fold = Fold {
+        Fold {
             air: paths.media,
             emitters: paths.emitters,
             lights: &paths.tracer.scene().lights,
             responses: &self.responses,
             factors: &self.factors,
-        };
-        Gathered { terms: fold.path(path, local), ..Gathered::default() }
+        }
     }
 
     /// Whether no look escapes from the scene.
@@ -134,6 +141,7 @@ impl Gather for TablePaths<'_, '_> {
     }
 
     fn gather(&self, start: &Vertex, sampler: &mut Sampler, counters: &Counters) -> Gathered {
-        self.fold(&self.record(start, sampler, counters), &self.factors.at(start))
+        let path = self.record_for(Some(self.folder()), start, sampler, counters);
+        self.fold(&path, &self.factors.at(start))
     }
 }

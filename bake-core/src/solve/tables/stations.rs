@@ -20,11 +20,27 @@ pub struct Stations {
     pub vertices: Vec<Vertex>,
     /// Area of surface per station, m².
     pub area: f32,
-    reach: f32,
-    /// Stations by bucket, with their cells: a hash of the cell chooses the bucket.
-    entries: Vec<(IVec3, u32)>,
+    /// What speaks for a point: stations within reach.
+    near: Index,
+    /// The nearest is mostly nearer than half the reach: a quarter as many are asked.
+    nearest: Index,
+}
+
+/// Stations within a radius of any point.
+#[derive(Default)]
+struct Index {
+    radius: f32,
+    /// By bucket: a hash of the cell chooses it.
+    entries: Vec<Entry>,
     /// First entry of each bucket, and the end; a power of two and one.
     starts: Vec<u32>,
+}
+
+struct Entry {
+    cell: IVec3,
+    station: u32,
+    point: Vec3,
+    normal: Vec3,
 }
 
 impl Stations {
@@ -50,7 +66,7 @@ impl Stations {
         };
         let vertices: Vec<Vertex> = if sum > 0.0 { (0..count).map(vertex).collect() } else { vec![] };
         let area = (sum / count as f64) as f32;
-        let mut stations = Self { vertices, area, reach: 0.0, entries: vec![], starts: vec![] };
+        let mut stations = Self { vertices, area, near: Index::default(), nearest: Index::default() };
         stations.index();
         stations
     }
@@ -64,25 +80,22 @@ impl Stations {
     }
 
     fn index(&mut self) {
-        let Self { vertices, area, .. } = &*self;
-        let reach = REACH * area.sqrt().max(f32::MIN_POSITIVE);
-        let buckets = vertices.len().next_power_of_two();
-        let mut entries: Vec<(IVec3, u32)> =
-            vertices.iter().zip(0..).map(|(v, i)| (cell(v.origin, reach), i)).collect();
-        entries.sort_by_key(|&(cell, index)| (bucket(cell, buckets), index));
-        let starts = (0..=buckets).map(|b| entries.partition_point(|e| bucket(e.0, buckets) < b) as u32).collect();
-        (self.reach, self.entries, self.starts) = (reach, entries, starts);
+        let reach = REACH * self.area.sqrt().max(f32::MIN_POSITIVE);
+        (self.near, self.nearest) = (Index::new(&self.vertices, reach), Index::new(&self.vertices, 0.5 * reach));
     }
 
     /// The station nearest to a vertex among those near it that look the same way.
     pub fn nearest(&self, vertex: &Vertex) -> Option<u32> {
-        let mut best = (0.0, None);
-        self.around(vertex, |station, weight| {
-            if weight > best.0 {
-                best = (weight, Some(station as u32));
-            }
-        });
-        best.1
+        let nearest = |index: &Index| {
+            let mut best = (f32::INFINITY, None);
+            index.around(vertex, |station, square| {
+                if square < best.0 {
+                    best = (square, Some(station));
+                }
+            });
+            best.1
+        };
+        nearest(&self.nearest).or_else(|| nearest(&self.near))
     }
 
     /// The box around all stations; empty without any.
@@ -93,24 +106,49 @@ impl Stations {
 
     /// The stations near a vertex that look the same way, with their weights.
     pub fn around(&self, vertex: &Vertex, mut visit: impl FnMut(usize, f32)) {
-        // Cells are twice the reach wide: eight hold all that is near.
-        let corner = cell(vertex.origin - self.reach, self.reach);
+        let over_square = 1.0 / (self.near.radius * self.near.radius);
+        self.near.around(vertex, |station, square| {
+            let near = 1.0 - square * over_square;
+            visit(station as usize, near * near);
+        });
+    }
+}
+
+impl Index {
+    fn new(vertices: &[Vertex], radius: f32) -> Self {
+        let buckets = vertices.len().next_power_of_two();
+        let entry = |(vertex, station): (&Vertex, u32)| {
+            let (point, normal) = (vertex.origin, vertex.normal_geom);
+            Entry { cell: cell(point, radius), station, point, normal }
+        };
+        let mut entries: Vec<Entry> = vertices.iter().zip(0..).map(entry).collect();
+        entries.sort_by_key(|entry| (bucket(entry.cell, buckets), entry.station));
+        let starts = (0..=buckets).map(|b| entries.partition_point(|e| bucket(e.cell, buckets) < b) as u32).collect();
+        Self { radius, entries, starts }
+    }
+
+    /// Stations nearer than the radius that look the same way as a vertex, with the squares of their distances.
+    fn around(&self, vertex: &Vertex, mut visit: impl FnMut(u32, f32)) {
+        // Cells are twice the radius wide: eight hold all that is near.
+        let corner = cell(vertex.origin - self.radius, self.radius);
         for i in 0..8 {
             let cell = corner + IVec3::new(i & 1, i >> 1 & 1, i >> 2);
             let bucket = bucket(cell, self.starts.len() - 1);
-            for &(at, station) in &self.entries[self.starts[bucket] as usize..self.starts[bucket + 1] as usize] {
-                let known = &self.vertices[station as usize];
-                let near = 1.0 - known.origin.distance_squared(vertex.origin) / (self.reach * self.reach);
-                if near > 0.0 && at == cell && known.normal_geom.dot(vertex.normal_geom) > SAME_SIDE {
-                    visit(station as usize, near * near);
+            for entry in &self.entries[self.starts[bucket] as usize..self.starts[bucket + 1] as usize] {
+                let square = entry.point.distance_squared(vertex.origin);
+                if square < self.radius * self.radius
+                    && entry.cell == cell
+                    && entry.normal.dot(vertex.normal_geom) > SAME_SIDE
+                {
+                    visit(entry.station, square);
                 }
             }
         }
     }
 }
 
-fn cell(point: Vec3, reach: f32) -> IVec3 {
-    (point / (2.0 * reach)).floor().as_ivec3()
+fn cell(point: Vec3, radius: f32) -> IVec3 {
+    (point / (2.0 * radius)).floor().as_ivec3()
 }
 
 fn bucket(cell: IVec3, buckets: usize) -> usize {

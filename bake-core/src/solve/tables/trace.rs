@@ -1,5 +1,6 @@
 //! Paths over surfaces, recorded without air.
 
+use super::fold::Fold;
 use super::medium::Tabled;
 use super::record::{Link, Lobe, Look, Once, Path, Step, Straight, Sunlit, Visit, Way};
 use super::stations::Stations;
@@ -31,6 +32,8 @@ pub(super) struct Recorder<'t, 'a, 's> {
     pub view: &'t View<'a, 's>,
     pub stations: &'t Stations,
     pub counters: &'t Counters,
+    /// The air that will fold paths; without it they go on long enough for any.
+    pub fold: Option<Fold<'t>>,
 }
 
 impl Recorder<'_, '_, '_> {
@@ -79,7 +82,7 @@ impl Recorder<'_, '_, '_> {
         let paths = &self.view.paths;
         // In closed rooms other surfaces stand for the own plane: it is one among many there, and far from the texel.
         let share = if self.view.own_plane && !self.view.is_closed { BESIDE_SHARE } else { 0.0 };
-        let mut carried = albedo * self.nominal(start, &step);
+        let mut carried = self.weight(start, &step, albedo);
         for bounce in 1u32.. {
             let [pick, u, v, survive] = sampler.next4();
             let mut visit = Visit::at(&vertex, self.stations.nearest(&vertex));
@@ -112,7 +115,7 @@ impl Recorder<'_, '_, '_> {
                 (ahead.and_then(|ahead| ahead.onward(self.view, lobe)), 1.0 - share)
             };
             let Some((onward, at, albedo)) = next else { return };
-            carried *= albedo * (self.nominal(&visit, &onward) / probability);
+            carried *= self.weight(&visit, &onward, albedo) / probability;
             // One heavy step must not keep all that follow alive.
             carried /= carried.max_element().max(1.0);
             let survival = if bounce >= ROULETTE_FROM { carried.max_element().min(1.0) } else { 1.0 };
@@ -125,8 +128,16 @@ impl Recorder<'_, '_, '_> {
         }
     }
 
-    /// What a step weighs in air about as thick as walls are wide, up to what the surface reflects: paths that matter there go
-    /// on. Scattering is taken as `e^(−x)/x` times the inverse square.
+    /// What a step weighs: paths that matter go on.
+    fn weight(&self, visit: &Visit, step: &Step, albedo: Vec3) -> Vec3 {
+        match &self.fold {
+            Some(fold) => fold.weight(visit, step),
+            None => albedo * self.nominal(visit, step),
+        }
+    }
+
+    /// What a step weighs in air about as thick as walls are wide, π times and up to the albedo: that much readier paths go on,
+    /// as other air may be thicker. Scattering is taken as `e^(−x)/x` times the inverse square.
     fn nominal(&self, visit: &Visit, step: &Step) -> f32 {
         let scattered = |x: f32| NOMINAL * step.weight / (self.view.wall * self.view.wall) * (-x).exp() / x;
         let weight = match (step.way, &visit.look) {
