@@ -24,6 +24,8 @@ pub const RANGE: (f32, f32) = (0.05, 6.0);
 const SURVEY: (usize, u32) = (256, 32);
 /// Share of the walls' size below which most of what is ahead makes a crack.
 const CRACK: f32 = 0.01;
+/// Logarithms of a light's factor by which sums of orders are not told apart: other stations move it by 0.04.
+const ALIKE: f32 = 0.05;
 /// One of so many directions has a look at the own plane.
 const BESIDE_EVERY: u32 = 2;
 /// One of so many directions has a walk.
@@ -291,19 +293,22 @@ impl Factors {
     }
 }
 
-/// The sum of orders whose factors are nearest to 1 in a channel: over lights by what they scatter onto surfaces; without lights
-/// over surfaces.
+/// The sum of orders whose factors are nearest to 1 in a channel: over lights by what they scatter onto surfaces; where that does not
+/// tell sums apart, or without lights, over surfaces.
 fn chosen_sum(sources: &[&Flux], measured: &[Measured], c: usize) -> usize {
     let distance = |walked: f32, looked_up: f32| {
         if walked > 0.0 && looked_up > 0.0 { (walked / looked_up).ln().abs() } else { 0.0 }
     };
-    let cost = |k: usize| -> f32 {
-        if sources.is_empty() {
-            return measured.iter().map(|m| m.walked[0][c] * distance(m.walked[0][c], m.all_surfaces(k)[c])).sum();
-        }
-        sources.iter().map(|f| f.walked[c] * distance(f.walked[c], f.looked_up[k][c])).sum()
+    let scattered: f32 = sources.iter().map(|f| f.walked[c]).sum();
+    let of_lights =
+        |k: usize| -> f32 { sources.iter().map(|f| f.walked[c] * distance(f.walked[c], f.looked_up[k][c])).sum() };
+    let of_surfaces = |k: usize| -> f32 {
+        measured.iter().map(|m| m.walked[0][c] * distance(m.walked[0][c], m.all_surfaces(k)[c])).sum()
     };
-    (0..ORDERS.len()).min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(0)
+    let sums = || 0..ORDERS.len();
+    let least = sums().map(of_lights).fold(f32::INFINITY, f32::min);
+    let alike = sums().filter(|&k| of_lights(k) <= least + ALIKE * scattered);
+    alike.min_by(|&a, &b| of_surfaces(a).total_cmp(&of_surfaces(b))).unwrap_or(0)
 }
 
 fn in_channels(sums: &[Vec3; ORDERS.len()], chosen: [usize; 3]) -> Vec3 {
