@@ -32,15 +32,17 @@ pub(crate) fn cosines(count: usize) -> Vec<f64> {
     (0..2 * count - 1).map(|i| cosine(i as f64 / (count - 1) as f64 - 1.0)).collect()
 }
 
-/// Nodes for linear reading from values at [`cosines`]. Between its nodes a line errs to one side; moved by half of that, the
-/// nodes err as much to the other.
-pub(crate) fn balanced<const N: usize>(values: &[[f64; N]]) -> Vec<[f64; N]> {
-    let excess =
-        |middle: usize, lane: usize| 0.5 * (values[middle - 1][lane] + values[middle + 1][lane]) - values[middle][lane];
+/// Nodes for linear reading from values at nodes and at the places in the middle between them, in turn. Between its nodes a line errs to
+/// one side; moved by half of that, the nodes err as much to the other.
+pub(crate) fn balanced<V: AsRef<[f64]> + AsMut<[f64]> + Clone>(values: &[V]) -> Vec<V> {
+    let value = |i: usize, lane: usize| values[i].as_ref()[lane];
+    let excess = |middle: usize, lane| 0.5 * (value(middle - 1, lane) + value(middle + 1, lane)) - value(middle, lane);
     let last = values.len() - 1;
     let at = |i: usize| {
-        let (left, right) = (i.max(2) - 1, (i + 1).min(last - 1));
-        std::array::from_fn(|lane| values[i][lane] - 0.25 * (excess(left, lane) + excess(right, lane)))
+        let (mut node, left, right) = (values[i].clone(), i.max(2) - 1, (i + 1).min(last - 1));
+        let lanes = node.as_mut().iter_mut().enumerate();
+        lanes.for_each(|(lane, value)| *value -= 0.25 * (excess(left, lane) + excess(right, lane)));
+        node
     };
     (0..=last).step_by(2).map(at).collect()
 }

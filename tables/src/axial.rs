@@ -28,7 +28,7 @@ pub const HARMONIC_COUNT: usize = 14;
 pub(crate) const DEGREES: usize = 9;
 
 /// Largest m among [`HARMONICS`], plus one.
-const ORDERS_M: usize = 5;
+pub(crate) const ORDERS_M: usize = 5;
 
 /// All degrees of a general axial emitter.
 pub const ALL_DEGREES: [usize; EMITTER_DEGREES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16];

@@ -23,14 +23,15 @@ pub mod remap;
 pub mod resample;
 pub mod response;
 pub mod rgb;
+mod series;
 pub mod set;
 pub mod transport;
 
 pub use generate::generate;
 pub use geometry::Geometry;
-pub use prepare::cosine_legendre;
 pub use recipe::{Layout, Recipe};
 pub use remap::{Air, RayAir};
 pub use response::{AxialResponse, ZonalResponse};
 pub use rgb::{AxialRgb, ZonalRgb};
+pub use series::{SERIES_DEGREES, cosine_legendre};
 pub use set::{Scatter, TableSet};

@@ -1,9 +1,9 @@
 //! Tables of a set prepared for a medium: weighted by albedo and phase function, an emitter's distribution folded in.
 
-use bake_optics::harmonics::clamped_cosine;
 use bake_optics::phase::Phase;
+use std::slice;
 
-use crate::axial::{ALL_DEGREES, HARMONIC_COUNT, HARMONICS};
+use crate::axial::{ALL_DEGREES, HARMONIC_COUNT};
 use crate::curves::{Curves, Grid, Shape};
 use crate::fitted::FittedResponse;
 use crate::node::Node;
@@ -11,11 +11,11 @@ use crate::recipe::Recipe;
 use crate::remap::Air;
 use crate::response::{AxialResponse, ZonalResponse};
 use crate::rgb::AxialRgb;
+use crate::series::{Series, cosine_legendre};
 use crate::set::{Scatter, TableSet};
-use crate::transport::harmonics::stripped_legendre;
 use crate::transport::phase_basis::PhaseBasis;
 use crate::transport::slab::SlabSource;
-use crate::transport::sources::{EMITTER_DEGREES, Source};
+use crate::transport::sources::Source;
 use crate::{angles, area, axial, directional, fitted, point, resample};
 
 /// Moments beyond the tables above this, |g|^20 at g = 0.62, ask for a table of the actual phase function: at 0.8 the series
@@ -48,7 +48,9 @@ impl TableSet {
                 }
                 None => self.zonal(self.table("point.single"), &self.recipe().weights(air)),
             },
-            Scatter::Multiple(up_to) => self.zonal(self.table("point.orders"), &self.order_weights(albedo, up_to)),
+            Scatter::Multiple(_) | Scatter::Order(_) => {
+                self.zonal(self.table("point.orders"), &self.order_weights(albedo, scatter))
+            }
             Scatter::AllMultiple if self.stored_all(albedo) => self.zonal(self.table("point.all"), &[1.0]),
             Scatter::AllMultiple => {
                 let source = Source::all(albedo.max(SMALLEST_ALBEDO));
@@ -69,8 +71,8 @@ impl TableSet {
                 ),
                 None => self.zonal(self.table("directional.single"), &self.recipe().weights(air)),
             },
-            Scatter::Multiple(up_to) => {
-                self.zonal(self.table("directional.orders"), &self.order_weights(albedo, up_to))
+            Scatter::Multiple(_) | Scatter::Order(_) => {
+                self.zonal(self.table("directional.orders"), &self.order_weights(albedo, scatter))
             }
             Scatter::AllMultiple if self.stored_all(albedo) => self.zonal(self.table("directional.all"), &[1.0]),
             Scatter::AllMultiple => {
@@ -88,18 +90,21 @@ impl TableSet {
     pub fn area(&self, air: &Air, scatter: Scatter) -> AxialResponse {
         match scatter {
             Scatter::Single => self.area_single(&air.phase, self.single_angles(&air.phase)).scaled(air.albedo),
-            // Without a kink and with few degrees these lose 0.15 %.
             _ => {
-                let [distances, angles] = self.fewer_nodes();
-                self.axial_at(distances, &Angles::new(angles, &cosine_legendre(), halved), air, scatter)
+                let [distances, angles] = self.multiple_nodes(scatter);
+                self.axial_at(distances, &Series::new(angles, &cosine_legendre(), false), air, scatter)
             }
         }
     }
 
-    /// Distances and angles at which three channels of light scattered more often stay in a core's cache.
-    fn fewer_nodes(&self) -> [usize; 2] {
+    /// Distances and angles at which an area's light scattered more often is read: fewer for the sums of a bake, so that three
+    /// channels of them stay in a core's cache. Their kink is soft: they lose 0.15 %, single orders alone more.
+    fn multiple_nodes(&self, scatter: Scatter) -> [usize; 2] {
         let Recipe { read_bins, read_angles, .. } = *self.recipe();
-        [read_bins / 2 + 1, (read_angles - 1) * 3 / 8 + 1]
+        match scatter {
+            Scatter::Order(_) => [read_bins, read_angles],
+            _ => [read_bins / 2 + 1, (read_angles - 1) * 3 / 8 + 1],
+        }
     }
 
     /// Angles at which light scattered once is read.
@@ -137,23 +142,26 @@ impl TableSet {
         Some(FittedResponse::new(&curves.grid, curves.shape, rows))
     }
 
-    /// Response of a medium to an emitter whose intensity is `Σ c_l P_l(cos)` about its axis, l ≤ 16, light scattered twice or more.
+    /// Response of a medium to an emitter whose intensity is `Σ c_l P_l(cos)` about its axis, l < [`SERIES_DEGREES`](crate::SERIES_DEGREES),
+    /// light scattered twice or more.
     /// (Once-scattered light of such an emitter needs its real distribution and visibility: the estimator of the bake.)
     /// `Scatter::Single` gives an empty response.
     ///
     /// *Accuracy*, of l = 0 at the same place: see "Spots" in `docs/tables.md`.
     pub fn axial(&self, legendre: &[f64], air: &Air, scatter: Scatter) -> AxialResponse {
         let Recipe { read_bins, read_angles, .. } = *self.recipe();
-        self.axial_at(read_bins, &Angles::new(read_angles, legendre, filter), air, scatter)
+        self.axial_at(read_bins, &Series::new(read_angles, legendre, true), air, scatter)
     }
 
     /// The same read at so many distances.
-    fn axial_at(&self, distances: usize, angles: &Angles, air: &Air, scatter: Scatter) -> AxialResponse {
+    fn axial_at(&self, distances: usize, series: &Series, air: &Air, scatter: Scatter) -> AxialResponse {
         let albedo = air.albedo.clamp(0.0, 1.0);
-        let of = |curves: &Curves, weights: &[f64]| axial_of(curves, distances, weights, angles);
+        let of = |curves: &Curves, weights: &[f64]| axial_of(curves, distances, weights, series);
         match scatter {
             Scatter::Single => of(self.table("axial.orders"), &[]),
-            Scatter::Multiple(up_to) => of(self.table("axial.orders"), &self.order_weights(albedo, up_to)),
+            Scatter::Multiple(_) | Scatter::Order(_) => {
+                of(self.table("axial.orders"), &self.order_weights(albedo, scatter))
+            }
             Scatter::AllMultiple if self.stored_all(albedo) => of(self.table("axial.all"), &[1.0]),
             Scatter::AllMultiple => {
                 let source = Source::all(albedo.max(SMALLEST_ALBEDO));
@@ -179,9 +187,15 @@ impl TableSet {
         (albedo - self.recipe().all_orders_albedo).abs() < 1e-6
     }
 
-    /// α² … α^up_to.
-    fn order_weights(&self, albedo: f64, up_to: usize) -> Vec<f64> {
-        (2..=up_to.min(self.recipe().scatter_orders)).map(|k| albedo.powi(k as i32)).collect()
+    /// α² … α^up_to, or one of them among zeros.
+    fn order_weights(&self, albedo: f64, scatter: Scatter) -> Vec<f64> {
+        let (from, to) = match scatter {
+            Scatter::Multiple(up_to) => (2, up_to),
+            Scatter::Order(order) => (order, order),
+            Scatter::Single | Scatter::AllMultiple => (1, 0),
+        };
+        let weight = |k: usize| if (from..=to).contains(&k) { albedo.powi(k as i32) } else { 0.0 };
+        (2..=to.min(self.recipe().scatter_orders)).map(weight).collect()
     }
 
     /// The actual phase function where its Legendre orders in the tables do not suffice.
@@ -239,17 +253,6 @@ impl TableSet {
     }
 }
 
-/// What an emitter's degrees weigh in each harmonic: `c_l' P̄_l'^m(cos θ)/sin^m θ`, m < 5, at the places of [`angles::cosines`].
-struct Angles(Vec<[[f64; EMITTER_DEGREES]; 5]>);
-
-impl Angles {
-    /// `weaken` tells what a degree weighs at a cosine.
-    fn new(count: usize, legendre: &[f64], weaken: fn(usize, f64) -> f64) -> Self {
-        let at = |cos: f64| std::array::from_fn(|m| emitter_lanes(m, cos, legendre, weaken));
-        Self(angles::cosines(count).into_iter().map(at).collect())
-    }
-}
-
 /// An area's table of light scattered once, stored at the angles `stored`, read at so many `angles`.
 fn area_of(curves: &Curves, stored: area::AngleGrid, weights: &[f64], angles: usize) -> AxialResponse {
     let cosines = angles::cosines(angles);
@@ -261,62 +264,20 @@ fn area_of(curves: &Curves, stored: area::AngleGrid, weights: &[f64], angles: us
     AxialResponse::new(&curves.grid, curves.shape, rows.map(|v| Node::new(&v)).collect())
 }
 
-fn axial_of(curves: &Curves, distances: usize, weights: &[f64], angles: &Angles) -> AxialResponse {
-    let list = axial::curves(&ALL_DEGREES);
-    let curves = &resample::distances(curves, Grid { bins: distances, ..curves.grid });
-    let rows = weighted_rows(curves, weights, list.len()).flat_map(|row| {
-        let at = |lanes: &[[f64; EMITTER_DEGREES]; 5]| {
-            let mut sum = [0.0; HARMONIC_COUNT];
-            list.iter().zip(&row).for_each(|(&(h, degree), g)| sum[h] += lanes[HARMONICS[h].1][degree] * g);
-            sum
-        };
-        angles::balanced(&angles.0.iter().map(at).collect::<Vec<_>>())
-    });
-    AxialResponse::new(&curves.grid, curves.shape, rows.map(|v| Node::new(&v)).collect())
+fn axial_of(curves: &Curves, distances: usize, weights: &[f64], series: &Series) -> AxialResponse {
+    let grid = Grid { bins: distances, ..curves.grid };
+    let curves = resample::distances(curves, Grid { bins: 2 * distances - 1, ..grid });
+    let rows: Vec<_> = weighted_rows(&curves, weights, axial::curves(&ALL_DEGREES).len()).collect();
+    let [near, nodes @ .., far] = rows.as_slice() else { unreachable!("two limits at least") };
+    let rows = [slice::from_ref(near), &angles::balanced(nodes), slice::from_ref(far)].concat();
+    let nodes = rows.iter().flat_map(|row| angles::balanced(&series.sum(row))).map(|v| Node::new(&v));
+    AxialResponse::new(&grid, curves.shape, nodes.collect())
 }
 
 /// A table of an actual phase function on the grid that is read: closer nodes than for stored ones, because behind an emitter its light
 /// falls off faster.
 fn refined(computed: &Curves) -> Curves {
     resample::distances(computed, Grid { bins: thrice(computed.grid.bins), ..computed.grid })
-}
-
-/// Legendre coefficients of the clamped cosine, `A_l (2l+1)/(4π)`: ¼, ½, 5/16, 0, −3/32 …
-pub fn cosine_legendre() -> Vec<f64> {
-    let a = clamped_cosine::<f64>(EMITTER_DEGREES);
-    a.iter().enumerate().map(|(l, a)| a * (2 * l + 1) as f64 / (4.0 * std::f64::consts::PI)).collect()
-}
-
-/// `c_l' P̄_l'^m(c)/sin^m θ` for all degrees, each weakened.
-fn emitter_lanes(m: usize, cos: f64, legendre: &[f64], weaken: fn(usize, f64) -> f64) -> [f64; EMITTER_DEGREES] {
-    let mut lanes = [0.0; EMITTER_DEGREES];
-    stripped_legendre(m, cos, &mut lanes);
-    lanes
-        .iter_mut()
-        .enumerate()
-        .for_each(|(l, lane)| *lane *= weaken(l, cos) * legendre.get(l).copied().unwrap_or(0.0));
-    lanes
-}
-
-/// What a degree is weakened by behind an emitter, where the end of a narrow spot's series would shine: a ripple adds up on the
-/// axis to light that comes straight to the receiver, and 18 mean free paths away outweighs what has had to turn round.
-///
-/// *Equation*: `exp(−8 s (l/17)⁶)`, s = −c/0.34 within 0 … 1, an exponential filter (Gottlieb & Shu 1997, 5). *Accuracy*: order 2 of a spot of
-/// 20° at 18 mean free paths, beyond 110°: 0.4 % of l = 0, without it 43 % (`tests/spots.rs`).
-fn filter(degree: usize, cos: f64) -> f64 {
-    (-8.0 * behind(cos) * (degree as f64 / EMITTER_DEGREES as f64).powi(6)).exp()
-}
-
-/// The same for a surface, whose series falls off and behind it changes sign with every term: half of the last one stands for all that
-/// follow. *Accuracy*: order 2 behind it at 40 mean free paths 0.5 % of l = 0, without 1.9 %, by [`filter`] 0.8 %; up to 8 below 0.2 %
-/// (`tests/spots.rs`).
-fn halved(degree: usize, cos: f64) -> f64 {
-    if degree + 1 == EMITTER_DEGREES { 1.0 - 0.5 * behind(cos) } else { 1.0 }
-}
-
-/// From 0 at 90° to 1 at 110° from an emitter's axis and beyond.
-fn behind(cos: f64) -> f64 {
-    (-cos / 0.34).clamp(0.0, 1.0)
 }
 
 /// Per row the weighted sum of its blocks of `width` columns.

@@ -30,6 +30,8 @@ pub enum Scatter {
     Single,
     /// From two up to this many; at most as many as the tables hold.
     Multiple(usize),
+    /// Exactly so many, from two on: for study, a bake needs only sums.
+    Order(usize),
     /// Two or more, without end.
     AllMultiple,
 }

@@ -244,7 +244,7 @@ fn higher_orders_agree_with_direct_evaluation_anywhere() {
     for (place, errors) in places.iter().zip(all_errors) {
         for ((_, exact), errors) in kinds.iter().zip(errors) {
             let what = || format!("{:?} {place:?}", exact.scatter);
-            // Seventeen degrees of an area's series are no truth farther away: `spots.rs` has the whole of it.
+            // Seventeen degrees of an area's series are no truth farther away: `surface.rs` has the whole of it.
             let told = if place.sigma * place.distance > 8.0 { 2 } else { 3 };
             worst.iter_mut().zip(errors).take(told).for_each(|(worst, error)| worst.record(error, what));
         }

@@ -9,17 +9,15 @@ use crate::solve::Effort;
 use crate::solve::emitters::punctual;
 use crate::solve::media::Leg;
 use ::tables::response::AxialResponse;
-use ::tables::{Air, Geometry, Scatter, TableSet, ZonalResponse};
+use ::tables::{Air, Geometry, SERIES_DEGREES, Scatter, TableSet, ZonalResponse};
 use bake_optics::legendre::legendre_all;
 use glam::Vec3;
 
 /// Numbers of collisions up to which tables may be summed.
 pub const ORDERS: [usize; 4] = [2, 3, 5, 10];
 
-/// Legendre degrees of a lamp's distribution.
-const LAMP_DEGREES: usize = 17;
-/// Midpoints over the cosine and around the axis at which a lamp's distribution is measured.
-const LAMP_PROBES: (usize, usize) = (256, 16);
+/// Midpoints over the angle from the axis and around it at which a lamp's distribution is measured: 28 within a spot of 5°.
+const LAMP_PROBES: (usize, usize) = (1024, 16);
 
 /// Light scattered once and more than once.
 pub type Lobe = [Vec3; 2];
@@ -199,19 +197,46 @@ fn legendre(light: &Light) -> Vec<f64> {
     if matches!(light.kind, LightKind::Point { profile: None, .. }) {
         return vec![1.0];
     }
-    let (mut sums, mut p) = (vec![0.0; LAMP_DEGREES], vec![0.0; LAMP_DEGREES]);
-    let (cosines, turns) = LAMP_PROBES;
-    for i in 0..cosines {
-        let mu = (2 * i + 1) as f64 / cosines as f64 - 1.0;
-        let sin = (1.0 - mu * mu).sqrt() as f32;
+    let (mut sums, mut p) = (vec![0.0; SERIES_DEGREES], vec![0.0; SERIES_DEGREES]);
+    let (angles, turns) = LAMP_PROBES;
+    let step = std::f64::consts::PI / angles as f64;
+    for i in 0..angles {
+        let (exact_sin, mu) = ((i as f64 + 0.5) * step).sin_cos();
+        let sin = exact_sin as f32;
         let towards = |turn: usize| {
             let (y, x) = (std::f32::consts::TAU * turn as f32 / turns as f32).sin_cos();
             crate::solve::warp::about(punctual::axis(light), Vec3::new(sin * x, sin * y, mu as f32))
         };
         let mean = (0..turns).map(|t| f64::from(punctual::shape(light, towards(t)))).sum::<f64>() / turns as f64;
         legendre_all(mu, &mut p);
-        let weight = mean / cosines as f64;
+        let weight = 0.5 * mean * step * exact_sin;
         sums.iter_mut().zip(&p).enumerate().for_each(|(l, (s, p))| *s += (2 * l + 1) as f64 * weight * p);
     }
     sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// glTF's falloff `((μ − o)/(i − o))²` between the cosines i and o of half angles of 5 and 10°: c_0 = ((1 − i) + (i − o)/3)/2, and c_1 is
+    /// nearly 3 c_0 of so narrow a beam.
+    #[test]
+    fn a_narrow_spots_series_begins_with_its_flux() {
+        let (i, o) = (5f64.to_radians().cos(), 10f64.to_radians().cos());
+        let kind = LightKind::Spot {
+            position: Vec3::ZERO,
+            direction: Vec3::new(0.6, -0.8, 0.0),
+            cos_inner: i as f32,
+            cos_outer: o as f32,
+            radius: 0.0,
+            range: None,
+            profile: None,
+        };
+        let c = legendre(&Light { path: "lamp".into(), color: Vec3::ONE, kind });
+        let want = 0.5 * ((1.0 - i) + (i - o) / 3.0);
+        assert_eq!(c.len(), SERIES_DEGREES);
+        assert!((c[0] / want - 1.0).abs() < 3e-3, "{} {want}", c[0]);
+        assert!((c[1] / (3.0 * want) - 1.0).abs() < 1e-2, "{} {want}", c[1]);
+    }
 }
