@@ -35,14 +35,15 @@ pub(crate) struct Series {
 impl Series {
     /// Of `Σ c_l P_l(cos)` at so many angles and between them; a spot's or lamp's is filtered behind it.
     pub fn new(angles: usize, legendre: &[f64], is_lamp: bool) -> Self {
-        let degrees: Vec<usize> = (0..legendre.len()).filter(|&l| legendre[l].abs() > 1e-15).collect();
+        // Degree 0 stays, for an emitter that is dark.
+        let degrees: Vec<usize> = (0..legendre.len().max(1)).filter(|&l| l == 0 || legendre[l] != 0.0).collect();
         let at = |cos: f64| {
             let p: [Vec<f64>; ORDERS_M] = std::array::from_fn(|m| {
-                let mut p = vec![0.0; legendre.len()];
+                let mut p = vec![0.0; legendre.len().max(1)];
                 stripped_legendre(m, cos, &mut p);
                 p
             });
-            let weight = |l: usize| legendre[l] * if is_lamp { filter(l, cos) } else { 1.0 };
+            let weight = |l: usize| legendre.get(l).unwrap_or(&0.0) * if is_lamp { filter(l, cos) } else { 1.0 };
             degrees.iter().map(|&l| HARMONICS.map(|(_, m)| weight(l) * p[m][l])).collect::<Vec<_>>()
         };
         let weights = angles::cosines(angles).into_iter().flat_map(at).collect();
@@ -59,8 +60,7 @@ impl Series {
             }
             sum
         };
-        // At least one, for an emitter that is dark.
-        self.weights.chunks_exact(self.degrees.len().max(1)).map(at).collect()
+        self.weights.chunks_exact(self.degrees.len()).map(at).collect()
     }
 
     /// G of every harmonic, degree by degree.
@@ -99,4 +99,35 @@ fn place(degree: usize) -> f64 {
 fn filter(degree: usize, cos: f64) -> f64 {
     let behind = (-cos / 0.34).clamp(0.0, 1.0);
     (-8.0 * behind * (degree as f64 / EMITTER_DEGREES as f64).powi(6)).exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Stored curves of every harmonic that follow `law` over the degrees.
+    fn stored(law: impl Fn(f64) -> f64) -> Vec<f64> {
+        axial::curves(&ALL_DEGREES).iter().map(|&(_, l)| law(place(l))).collect()
+    }
+
+    #[test]
+    fn a_power_law_goes_on_and_curves_that_do_not_fall_end() {
+        let all: Vec<f64> = (0..SERIES_DEGREES).map(|l| 1.0 / (1.0 + l as f64)).collect();
+        let series = Series::new(9, &all, false);
+        let last = |curves: Vec<[f64; HARMONIC_COUNT]>| curves[SERIES_DEGREES - 1];
+        for value in last(series.curves(&stored(|x| 3.0 * x.powf(-1.7)))) {
+            assert!((value / (3.0 * 64.5f64.powf(-1.7)) - 1.0).abs() < 1e-12, "{value}");
+        }
+        for law in [|x: f64| x, |x: f64| (x - 15.5).signum(), |_| 0.0, |_| 1.0] {
+            assert_eq!(last(series.curves(&stored(law))), [0.0; HARMONIC_COUNT]);
+        }
+    }
+
+    #[test]
+    fn a_dark_emitter_and_one_without_coefficients_are_dark() {
+        for dark in [&[][..], &[0.0; 5]] {
+            let sums = Series::new(9, dark, true).sum(&stored(|x| 1.0 / x));
+            assert_eq!(sums, vec![[0.0; HARMONIC_COUNT]; 17]);
+        }
+    }
 }
