@@ -1,8 +1,8 @@
-//! Pictures of air alone, black walls behind it, against the f64 oracle pixel by pixel; and no picture with a NaN or an infinity.
+//! Pictures of air alone, black walls behind it, against the f64 oracle pixel by pixel.
 
 mod common;
 
-use bake_formats::manifest::{EnvironmentRecord, LightKind, LightRecord, ProfileRecord};
+use bake_formats::manifest::{LightKind, LightRecord, ProfileRecord};
 use bake_optics::airlight::{Airlight, MediumAlong, Oracle, Quadrature};
 use bake_optics::emitter::Emitter;
 use bake_optics::medium::grid::DensityGrid;
@@ -12,8 +12,6 @@ use bake_runtime::air::AirSettings;
 use bake_runtime::{Camera, Headless, Method, Model, Renderer, SceneData, Settings};
 use common::{Fixture, headless, radiance};
 use glam::{Affine3A, DAffine3, DQuat, DVec3, EulerRot, IVec3, Vec2, Vec3};
-use rand::rngs::SmallRng;
-use rand::{RngExt, SeedableRng};
 use std::sync::Arc;
 use testkit::compare::Worst;
 
@@ -389,127 +387,6 @@ fn the_sun_enters_bounds_at_their_border() {
         }
     }
     worst.check();
-}
-
-/// A grid of 3 x 1 x 2 points with densities of 0 to 1e6, flat along one axis in one of four.
-fn noise(random: &mut SmallRng) -> Density {
-    let values = (0..6).map(|_| [0.0, 1.0, 1e-6, 1e6][random.random_range(0..4)]).collect();
-    let flat = if random.random_bool(0.25) { 1e-6 } else { 1.0 };
-    let turn = DQuat::from_rotation_x(random.random_range(0.0..6.3));
-    let placed = DAffine3::from_scale_rotation_translation(DVec3::new(1.0, flat, 2.0), turn, DVec3::splat(-1.0));
-    Density::Grid(Arc::new(DensityGrid::new(IVec3::new(3, 1, 2), values, placed).expect("valid")))
-}
-
-/// The box of [`air`].
-fn whole() -> Bounds {
-    air([0.0; 3], [0.0; 3], Phase::Isotropic).bounds
-}
-
-/// Whether every kind of shader is made: each takes seconds where processors draw.
-fn is_long() -> bool {
-    std::env::var("BAKE_LONG").is_ok()
-}
-
-/// Random scenes, hard ones among them: the eye in a lamp, a ray straight at one, no air and air as thick as rock.
-///
-/// Few kinds of shader and many numbers: what a shader holds depends on the kinds of lamps, phases and densities only.
-fn random_scene(random: &mut SmallRng, base: &SceneData, method: Method) -> (SceneData, Camera) {
-    let place = |random: &mut SmallRng| Vec3::from_array(std::array::from_fn(|_| random.random_range(-3.0f32..3.0)));
-    let eye = place(random).as_dvec3();
-    let mut view = Camera::look_at(eye, place(random).as_dvec3());
-    view.fov_y = random.random_range(0.1..2.5);
-    let sigma = |random: &mut SmallRng| match random.random_range(0..6) {
-        0 => 0.0,
-        1 => 1e-12,
-        2 => 1e9,
-        _ => 10f64.powf(random.random_range(-4.0..3.0)),
-    };
-    let simple = matches!(method, Method::Lut | Method::ClosedForm);
-    let phase = match simple {
-        true => Phase::Isotropic,
-        false => Phase::HenyeyGreenstein {
-            g: [0.0, -0.999, 0.999, random.random_range(-0.9..0.9)][random.random_range(0..4)],
-        },
-    };
-    let scale_height_m = 10f64.powf(random.random_range(-2.0..3.0));
-    let any = method == Method::Quadrature || is_long() && method == Method::RayMarch;
-    let density = match random.random_range(0..5) {
-        0 if !simple => Density::Exponential { base_m: random.random_range(-5.0..5.0), scale_height_m },
-        1 if any => {
-            let radius_m = 10f64.powf(random.random_range(-1.0..8.0));
-            let centre = place(random).as_dvec3().normalize_or(DVec3::Y) * radius_m * random.random_range(0.0..1.1);
-            Density::Planet { centre, radius_m, scale_height_m }
-        }
-        2 if any => noise(random),
-        _ => Density::Uniform,
-    };
-    let planes = [DVec3::X, DVec3::NEG_Y, DVec3::new(-0.6, 0.8, 0.0)].map(|normal| normal.extend(1.5));
-    let hull = || Bounds::Hull(planes.into());
-    let bounds = match random.random_range(0..6) {
-        0 | 1 if any && density == Density::Uniform => hull(),
-        2 if any && density == Density::Uniform => corner().bounds,
-        _ => whole(),
-    };
-    let medium = Medium { density, bounds, ..air([sigma(random); 3], [sigma(random), 0.0, 1e-3], phase) };
-    let position = match random.random_range(0..4) {
-        0 => eye.as_vec3(),
-        1 => (eye + view.forward.as_dvec3() * 2.0).as_vec3(),
-        2 => (eye - view.forward.as_dvec3() * 2.0).as_vec3(),
-        _ => place(random),
-    };
-    let radius = [0.0, 0.001, 0.5][random.random_range(0..3)];
-    let outer_angle = random.random_range(0.0..1.57);
-    let inner_angle = outer_angle * [0.0, 0.5, 1.0][random.random_range(0..3)];
-    let (direction, range, profile) = (place(random), None, None);
-    let mut kinds = vec![LightKind::Point { position, radius, range, profile: None }];
-    if !simple {
-        kinds.push(LightKind::Spot { position, direction, inner_angle, outer_angle, radius, range, profile });
-        kinds.push(LightKind::Directional { direction, angular_radius: 0.0 });
-    }
-    let mut lights: Vec<_> = kinds.into_iter().map(|kind| lamp([1.0, 100.0, 1e4], kind)).collect();
-    // Lit surfaces are shaders of their own too.
-    let dynamic_lights = if is_long() && any && random.random_bool(0.3) { lights.split_off(1) } else { Vec::new() };
-    (SceneData { lights, dynamic_lights, media: vec![medium], ..base.clone() }, view)
-}
-
-/// Air by a method, the lit parts of rays by shadow maps, and a sky that glows; in the short form shadows in even air only.
-fn random_settings(random: &mut SmallRng, method: Method, scene: &SceneData) -> Settings {
-    let even = scene.media[0].density == Density::Uniform && scene.media[0].bounds == whole();
-    let shadows = if is_long() { random.random_bool(0.5) } else { even };
-    let sky = [1, 1_000_000][random.random_range(0..2)];
-    let sky_distance_m = if is_long() && random.random_bool(0.5) { None } else { Some(sky) };
-    let air = AirSettings { method, sky_distance_m, shaft_steps: 8, ..AirSettings::default() };
-    Settings { air, shadow_size: shadows.then_some(16), ..Settings::default() }
-}
-
-#[test]
-fn no_picture_has_a_nan_or_an_infinity() {
-    let Some(headless) = headless() else { return };
-    let count = if is_long() { 10_000 } else { 500 };
-    let mut renderer = renderer(&headless);
-    let mut random = SmallRng::seed_from_u64(1);
-    let size = [4, 4];
-    let target = headless.target(size, wgpu::TextureFormat::Rgba8Unorm).create_view(&Default::default());
-    let mean_radiance = Vec3::new(1.0, 10.0, 1e4);
-    let environment = Some(EnvironmentRecord { size: [1, 1], rotation: 0.0, mean_radiance, file: None });
-    let scene = SceneData { environment, ..wall() };
-    let mut model = Model::new(&headless.device, &headless.queue, scene).expect("small");
-    let base = model.scene.clone();
-    for index in 0..count {
-        let method = Method::ALL[1 + index % 5];
-        let (scene, view) = random_scene(&mut random, &base, method);
-        model.scene = scene;
-        renderer.draw(&model, &view, &random_settings(&mut random, method, &model.scene), &target, size);
-        let pixels = radiance(&headless, &renderer);
-        let bad = pixels.iter().position(|pixel| pixel.iter().any(|v| !v.is_finite() || *v < 0.0));
-        if let Some(at) = bad {
-            let scene = &model.scene;
-            panic!(
-                "{index}, {method:?}, pixel {at}: {:?} of {:?} in {:?}, {view:?}",
-                pixels[at], scene.lights, scene.media
-            );
-        }
-    }
 }
 
 #[test]
