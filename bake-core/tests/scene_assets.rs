@@ -133,4 +133,7 @@ fn environments_and_profiles_of_the_collection_load() {
     assert_eq!((environment.width, environment.height, environment.radiance.len()), (1024, 512, 1024 * 512));
     assert!(environment.radiance.iter().all(|r| r.is_finite() && r.min_element() >= 0.0));
     assert!(warnings.iter().any(|w| w.kind == WarningKind::UnusedSetting && w.message.contains("nobody")));
+    options.ies.insert("nobody".into(), scene::Ies { file: "absent.ies".into(), scale: 1.0 });
+    let error = scene::load(&assets.join("bevy-CornellBox/CornellBox.glb"), &options).expect_err("has no such file");
+    assert!(error.to_string().starts_with("absent.ies"), "{error}");
 }

@@ -31,7 +31,9 @@ pub(super) fn load(
         let profile = find_profile(record, node, options, &mut used);
         lights.push(convert(record, node, profile, options, &place)?);
     }
-    for name in options.ies.keys().filter(|name| !used.contains(name.as_str())) {
+    for (name, ies) in options.ies.iter().filter(|(name, _)| !used.contains(name.as_str())) {
+        // A package remembers its content.
+        ies::read(&ies.file)?;
         let message = format!(
             "the settings give an IES profile to `{name}`, but no point or spot light or its node is called so"
         );

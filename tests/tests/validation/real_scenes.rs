@@ -1,7 +1,7 @@
 //! Scenes that nobody of the project made, with committed settings (`scenes/real`). Skipped, and counted, where the
 //! assets are not beside the project.
 //!
-//! Each is baked as set, and again with four times the samples: its light must be the same. A texel is valid when it
+//! Each is baked as set, and again with twice the samples, all others: its light must be the same. A texel is valid when it
 //! was baked, or lies buried in other geometry and was filled from its neighbours. The normal run takes three of them
 //! on small pages, the long form all on pages of their settings.
 
@@ -99,12 +99,12 @@ fn check(asset: &Asset, subject: &str, flags: &str, samples: &str) {
         ledger.refused("leak score of the points that emitters reach", leaks.lit_score, LEAK);
     }
 
-    let longer = Baked::new(&scene, &format!("{flags} --seed 1 --samples {}", 4.0 * baked.samples()));
+    let longer = Baked::new(&scene, &format!("{flags} --seed 1 --samples {}", 2.0 * baked.samples()));
     let longer = longer.pages();
     let (light, longer) = (levels(&pages, &longer), levels(&longer, &longer));
     for (what, of) in STATISTICS {
         let difference = relative(of(&light), of(&longer), &longer);
-        ledger.at_most(&format!("{what}: difference from 4 × the samples"), difference, STEADY);
+        ledger.at_most(&format!("{what}: difference from twice the samples"), difference, STEADY);
     }
     let darker: Vec<f64> = longer.iter().map(|level| 0.9 * level).collect();
     let (what, of) = STATISTICS[0];
