@@ -43,39 +43,71 @@ fn a_baked_room_is_drawn_and_the_picture_repeats() {
     }
 }
 
+/// A shape of a scene: name, corners, triangles.
+type Shape = (&'static str, Vec<[f32; 3]>, Vec<[u16; 3]>);
+
 /// Ground of 2 m x 2 m under a narrow spot lamp, 2 m above it.
 fn stage() -> String {
-    let corners = [[-1.0f32, 0.0, -1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0]];
-    let mut bytes: Vec<u8> = corners.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
-    bytes.extend([0u16, 1, 2, 0, 2, 3].iter().flat_map(|i| i.to_le_bytes()));
-    let hex: String = bytes.iter().map(|byte| format!("%{byte:02X}")).collect();
+    stage_with(vec![])
+}
+
+/// The same with more on it.
+fn stage_with(more: Vec<Shape>) -> String {
+    let corners = vec![[-1.0f32, 0.0, -1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0]];
+    let ground: Shape = ("ground", corners, vec![[0, 1, 2], [0, 2, 3]]);
     let spot = serde_json::json!({
         "type": "spot", "intensity": 1000.0, "spot": { "innerConeAngle": 0.2, "outerConeAngle": 0.3 }
     });
+    let down = [-std::f32::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f32::consts::FRAC_1_SQRT_2];
+    let lit = serde_json::json!({ "KHR_lights_punctual": { "light": 0 } });
+    let mut nodes =
+        vec![serde_json::json!({ "name": "spot", "translation": [0, 2, 0], "rotation": down, "extensions": lit })];
+    let (mut meshes, mut accessors, mut views, mut bytes) = (vec![], vec![], vec![], Vec::<u8>::new());
+    for (index, (name, corners, triangles)) in [ground].into_iter().chain(more).enumerate() {
+        let least = |pick: fn(f32, f32) -> f32| [0, 1, 2].map(|axis| corners.iter().map(|c| c[axis]).reduce(pick));
+        let (min, max) = (least(f32::min), least(f32::max));
+        let lists = [
+            corners.iter().flatten().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>(),
+            triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect(),
+        ];
+        let accessor = |view: usize, component: u32, kind: &str, count: usize| serde_json::json!({ "bufferView": view, "componentType": component, "type": kind, "count": count });
+        let mut places = accessor(2 * index, 5126, "VEC3", corners.len());
+        (places["min"], places["max"]) = (serde_json::json!(min), serde_json::json!(max));
+        accessors.extend([places, accessor(2 * index + 1, 5123, "SCALAR", 3 * triangles.len())]);
+        for list in lists {
+            views.push(serde_json::json!({ "buffer": 0, "byteOffset": bytes.len(), "byteLength": list.len() }));
+            bytes.extend(list);
+        }
+        let attributes = serde_json::json!({ "POSITION": 2 * index });
+        meshes.push(serde_json::json!({ "primitives": [{ "attributes": attributes, "indices": 2 * index + 1 }] }));
+        nodes.push(serde_json::json!({ "mesh": index, "name": name }));
+    }
+    let hex: String = bytes.iter().map(|byte| format!("%{byte:02X}")).collect();
     serde_json::json!({
         "asset": { "version": "2.0" },
         "extensionsUsed": ["KHR_lights_punctual"],
         "extensions": { "KHR_lights_punctual": { "lights": [spot] } },
-        "scenes": [{ "nodes": [0, 1] }],
-        "nodes": [
-            { "mesh": 0, "name": "ground" },
-            {
-                "name": "spot", "translation": [0, 2, 0], "rotation": [-std::f32::consts::FRAC_1_SQRT_2, 0, 0, std::f32::consts::FRAC_1_SQRT_2],
-                "extensions": { "KHR_lights_punctual": { "light": 0 } }
-            }
-        ],
-        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1 }] }],
-        "accessors": [
-            { "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 4, "min": [-1, 0, -1], "max": [1, 0, 1] },
-            { "bufferView": 1, "componentType": 5123, "type": "SCALAR", "count": 6 }
-        ],
-        "bufferViews": [
-            { "buffer": 0, "byteOffset": 0, "byteLength": 48 },
-            { "buffer": 0, "byteOffset": 48, "byteLength": 12 }
-        ],
+        "scenes": [{ "nodes": (0..nodes.len()).collect::<Vec<_>>() }],
+        "nodes": nodes,
+        "meshes": meshes,
+        "accessors": accessors,
+        "bufferViews": views,
         "buffers": [{ "byteLength": bytes.len(), "uri": format!("data:application/octet-stream,{hex}") }]
     })
     .to_string()
+}
+
+/// A C that stands up, open to the left: slabs from 0.1 m to 0.6 m and from 1.2 m to 1.7 m, joined at the right.
+fn hook() -> Shape {
+    let outline = [[-1.0, 0.1], [1.0, 0.1], [1.0, 1.7], [-1.0, 1.7], [-1.0, 1.2], [0.6, 1.2], [0.6, 0.6], [-1.0, 0.6]];
+    let corners = [1.0f32, -1.0].into_iter().flat_map(|z| outline.map(|[x, y]| [x, y, z])).collect();
+    let face = [[0, 1, 6], [0, 6, 7], [1, 2, 6], [6, 2, 5], [2, 3, 5], [3, 4, 5]];
+    let back = face.map(|[a, b, c]| [8 + a, 8 + c, 8 + b]);
+    let sides = (0..8u16).flat_map(|a| {
+        let b = (a + 1) % 8;
+        [[a, a + 8, b + 8], [a, b + 8, b]]
+    });
+    ("hook", corners, face.into_iter().chain(back).chain(sides).collect())
 }
 
 /// A picture of a package; `None`, a counted skip, where no adapter draws.
@@ -112,6 +144,30 @@ fn fog_in_shadow_glows_with_a_fog_volume_and_is_black_without() {
     assert!(shades[0].iter().all(|&byte| byte == 0), "no light was stored, yet: {:?}", shades[0]);
     let least = shades[1].iter().min();
     assert!(shades[1].iter().all(|&byte| byte > 4), "fog beside the cone: {least:?}");
+}
+
+#[test]
+fn media_are_drawn_where_and_as_dense_as_they_were_baked() {
+    let desk = Desk::new();
+    // Green in the middle of the lamp's cone, 1.45 m, 0.9 m and 0.4 m above the ground; nothing but the night behind.
+    let seen = |name: &str, shapes: Vec<Shape>, bounds: &str, density: &str| {
+        desk.write("stage.gltf", stage_with(shapes));
+        let scatter = "scatter: Sigma(s: (0.2, 0.2, 0.2), a: (0, 0, 0))";
+        let medium = format!("Bake(media: [Medium(bounds: {bounds}, density: {density}, {scatter})])");
+        desk.write("stage.bake.ron", medium);
+        let baked = desk.bake(&format!("-q run stage.gltf --quality preview --texels-per-m 4 --samples 16 -o {name}"));
+        assert!(matches!(baked.code, Some(0 | 3)), "{baked:#?}");
+        let picture = drawn(&desk, name, [64, 64], "--camera 0,1,6:0,1,0:20 --exposure 2")?;
+        Some([18, 35, 50].map(|row| picture.get_pixel(32, row).0[1]))
+    };
+    let block = "Box(min: (-1, 0.1, -1), max: (1, 1.7, 1))";
+    let Some([top, gap, bottom]) = seen("mesh", vec![hook()], "Node(\"hook\")", "Uniform") else { return };
+    assert!(top > 40 && gap == 0 && bottom > 40, "within a closed mesh: {top} {gap} {bottom}");
+    let [top, gap, bottom] = seen("box", vec![], block, "Uniform").expect("drawn before");
+    assert!(top > gap && gap > bottom && bottom > 40, "a box about it (negative control): {top} {gap} {bottom}");
+    let low = "Exponential(base_m: 0.4, scale_height_m: 0.25)";
+    let [top, gap, bottom] = seen("low", vec![], block, low).expect("drawn before");
+    assert!(bottom > 40 && bottom > 2 * gap && gap > 2 * top, "denser towards the ground: {top} {gap} {bottom}");
 }
 
 #[test]
