@@ -195,9 +195,12 @@ fn default_nodes(media: &[Medium], layered: bool) -> u32 {
         Phase::Legendre(terms) => terms.len() > 6,
         _ => false,
     };
-    if media.iter().any(|medium| peaked(&medium.phase)) {
+    // Nodes meet kinks at a grid's cells; a mesh's borders are cuts, between which uniform air is uniform.
+    let grid = |medium: &Medium| matches!(medium.density, Density::Grid(_));
+    let cut = |medium: &Medium| is_mesh(medium) && medium.density == Density::Uniform;
+    if media.iter().any(|medium| peaked(&medium.phase) || grid(medium)) {
         32
-    } else if layered {
+    } else if layered && !media.iter().all(cut) {
         24
     } else {
         16
