@@ -301,6 +301,34 @@ fn seeds() -> Vec<Glb> {
     paths.iter().map(|path| Glb::split(&std::fs::read(path).expect("a scene"))).collect()
 }
 
+/// Faults that random damage seldom makes: each alone, refused where it lies.
+#[test]
+fn rare_faults_are_refused_by_place() {
+    let _turn = turn();
+    let bytes = std::fs::read(workspace().join("scenes/plane_point.glb")).expect("a scene");
+    let Glb { json, bin } = Glb::split(&bytes);
+    let whole: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
+    let positions =
+        whole["meshes"][0]["primitives"][0]["attributes"]["POSITION"].as_u64().expect("an accessor") as usize;
+    let view = whole["accessors"][positions]["bufferView"].as_u64().expect("a view") as usize;
+    let refused = |change: &dyn Fn(&mut serde_json::Value)| {
+        let mut document = whole.clone();
+        change(&mut document);
+        let bytes = Glb { json: document.to_string().into_bytes(), bin: bin.clone() }.join();
+        attempt(&bytes, Path::new("rare.glb"), bytes.len() as u64).error.map(|error| error.object)
+    };
+    assert_eq!(refused(&|_| ()), None);
+    let longer = refused(&|document| document["buffers"][0]["byteLength"] = (bin.len() + 1000).into());
+    assert_eq!(longer.as_deref(), Some("buffers[0].byteLength"));
+    let narrow = refused(&|document| document["bufferViews"][view]["byteStride"] = 4.into());
+    assert_eq!(narrow, Some(format!("bufferViews[{view}].byteStride")));
+    // The bits of a coordinate are no vertex.
+    let indices = serde_json::json!({ "bufferView": view, "componentType": 5125 });
+    let sparse = serde_json::json!({ "count": 1, "indices": indices, "values": { "bufferView": view } });
+    let beyond = refused(&|document| document["accessors"][positions]["sparse"] = sparse.clone());
+    assert_eq!(beyond, Some(format!("accessors[{positions}].sparse.indices")));
+}
+
 #[test]
 fn mutated_scenes_are_loaded_or_refused() {
     let _turn = turn();
