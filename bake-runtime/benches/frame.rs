@@ -73,8 +73,8 @@ impl Bench {
 
     /// What the cheapest frame costs, and the last one's radiance.
     fn frame(&mut self, air: AirSettings) -> (Cost, Vec<f32>) {
-        // A small frame makes the shader; one that shows nothing makes the images of the full size.
-        self.draw(air, [16, 16]);
+        // A small frame, with whole tiles and cut ones, makes all of the shader; one that shows nothing the images of the full size.
+        self.draw(air, [144, 80]);
         self.draw(AirSettings { method: Method::None, ..air }, self.size);
         let mut costs: Vec<Cost> = Vec::new();
         while costs.len() < MOST_FRAMES && costs.iter().map(|cost| cost.wall).sum::<f64>() < ENOUGH_S {
