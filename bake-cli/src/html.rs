@@ -17,7 +17,9 @@ const STYLE: &str = "\
 body{font:15px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem}
 table{border-collapse:collapse;width:100%}td,th{text-align:left;padding:.2rem .6rem;border-bottom:1px solid var(--line)}
 td.number{text-align:right;font-variant-numeric:tabular-nums}.bar{background:var(--bar);height:.8em}
-.off{opacity:.55}figure{display:inline-block;margin:0 1rem 1rem 0;vertical-align:top}img{image-rendering:pixelated;max-width:100%}";
+.off{opacity:.55}figure{display:inline-block;margin:0 1rem 1rem 0;vertical-align:top}img{image-rendering:pixelated;max-width:100%}
+pre{white-space:pre-wrap}@media (prefers-color-scheme:dark){body{background:#181818;color:#ddd}}
+@media print{body{max-width:none;background:#fff;color:#000}.bar{print-color-adjust:exact}tr,figure{break-inside:avoid}}";
 
 /// Writes the report beside the manifest.
 pub fn write(measured: &Measured, name: &str, plan: &Plan, pages: &[PageBuffers]) -> Result<(), Failure> {
@@ -27,7 +29,8 @@ pub fn write(measured: &Measured, name: &str, plan: &Plan, pages: &[PageBuffers]
 fn page(measured: &Measured, name: &str, plan: &Plan, pages: &[PageBuffers]) -> String {
     let name = escape(name);
     format!(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>{name}: bake</title><style>{STYLE}</style>\
+        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\">\
+         <meta name=\"viewport\" content=\"width=device-width\"><title>{name}: bake</title><style>{STYLE}</style>\
          <h1>{name}</h1><pre>{summary}</pre>{warnings}<h2>Where the seconds went</h2>{stages}<h2>Effects</h2>{effects}{explained}\
          <h2>Pages</h2>{pages}</html>\n",
         summary = escape(&measured.table()),

@@ -214,7 +214,9 @@ impl Measured {
     /// For people.
     pub fn table(&self) -> String {
         let mut text = String::new();
-        let mut line = |name: &str, value: String| writeln!(text, "{name:<12} {value}").expect("a string takes text");
+        let width = self.stages.iter().map(|stage| stage.name.len()).fold(12, usize::max);
+        let mut line =
+            |name: &str, value: String| writeln!(text, "{name:<width$} {value}").expect("a string takes text");
         for stage in &self.stages {
             let share = 100.0 * stage.seconds / self.seconds.max(1e-9);
             line(stage.name, format!("{:>9.2} s {share:>5.1} %", stage.seconds));

@@ -17,7 +17,8 @@ table{border-collapse:collapse;margin:.5rem 0 1rem}td,th{text-align:left;padding
 pre{white-space:pre-wrap}figure{display:inline-block;margin:0 1rem 1rem 0;vertical-align:top;font-size:12px;max-width:400px}\
 figure img{image-rendering:pixelated;width:190px;background:#000}details{margin:.5rem 0 2rem}summary{cursor:pointer}\
 @media (prefers-color-scheme:dark){:root{--bad:#ff7b6b}body{background:#181818;color:#ddd}}\
-@media print{body{max-width:none;background:#fff;color:#000}section{break-inside:avoid}figure{break-inside:avoid}}";
+@media print{body{max-width:none;background:#fff;color:#000}section,figure,tr{break-inside:avoid}\
+details::details-content{content-visibility:visible;display:block}}";
 
 /// Error of the tables by size.
 const RECORDED: &str = include_str!("../../docs/tables.csv");
@@ -100,7 +101,7 @@ fn section(group: &Group, store: &Store) -> Markup {
     html! {
         section {
             h2 { (title) }
-            p { (text) }
+            p { (prose(text)) }
             (plot(group, store).svg())
             (named(group, store))
             @if group.kind == Kind::Tables { (bands()) }
@@ -110,6 +111,13 @@ fn section(group: &Group, store: &Store) -> Markup {
             (table(group, store))
             @for series in &group.series { (pictures(series, store)) }
         }
+    }
+}
+
+/// Text with what stands between backticks as code.
+fn prose(text: &str) -> Markup {
+    html! {
+        @for (index, part) in text.split('`').enumerate() { @if index % 2 == 1 { code { (part) } } @else { (part) } }
     }
 }
 

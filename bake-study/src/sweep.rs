@@ -240,8 +240,9 @@ impl Base {
     }
 
     fn targets(&self, effort: &Effort) -> Group {
-        let point =
-            |&target: &f32| (format!("{} %", 100.0 * target), self.with_mode(self.point.mode, Stop::Error(target)));
+        let point = |&target: &f32| {
+            (format!("asked {} %", 100.0 * target), self.with_mode(self.point.mode, Stop::Error(target)))
+        };
         let points = effort.targets.iter().map(point).collect();
         Group { kind: Kind::Target, series: vec![Series { name: self.point.mode.name().into(), points }] }
     }

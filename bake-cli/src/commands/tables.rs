@@ -1,9 +1,9 @@
 //! `bake tables`: the impulse-response tables that fog is baked with: made, shown, checked.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use ::tables::accuracy;
+use ::tables::accuracy::{self, Verified};
 use ::tables::curves::Grid;
 use ::tables::set::{self, NAMES};
 use ::tables::{Layout, Recipe, TableSet, drawing};
@@ -103,8 +103,8 @@ struct Verify {
     /// Table file; without it the tables of the program
     file: Option<PathBuf>,
     /// Distances recomputed in each table
-    #[arg(long, default_value_t = 8)]
-    samples: usize,
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
+    samples: u32,
     /// Which distances: another seed, other places
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -115,7 +115,7 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     match &args.action {
         Action::Generate(args) => generate(args, global),
         Action::Inspect(args) => inspect(args),
-        Action::Verify(args) => verify(args),
+        Action::Verify(args) => verify(args, global),
     }
 }
 
@@ -135,11 +135,24 @@ fn generate(args: &Generate, global: &Global) -> Result<Outcome, Failure> {
     if let Some(fault) = recipe.fault() {
         return Err(Failure::wrong(fault, "`bake tables generate --help` lists the flags"));
     }
+    check_folder(&args.output)?;
     let progress = Progress::new(global, Interrupt::default());
     let file = ::tables::generate(&recipe, &reporter(&progress));
     file.write(&args.output).map_err(Failure::failed)?;
     console::print_line(&args.output.display().to_string())?;
     Ok(Outcome::Done)
+}
+
+/// Told before the work, which takes half a minute.
+fn check_folder(file: &Path) -> Result<(), Failure> {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match folder.filter(|folder| !folder.is_dir()) {
+        Some(folder) => Err(Failure::wrong(
+            format!("cannot write {}: there is no folder {}", file.display(), folder.display()),
+            "make the folder, or choose another place with `-o`",
+        )),
+        None => Ok(()),
+    }
 }
 
 /// Steps of the bar, which has one stage.
@@ -172,19 +185,16 @@ fn inspect(args: &Inspect) -> Result<Outcome, Failure> {
     if let Some(path) = &args.svg {
         let tables = TableSet::from_file(&file).map_err(Failure::invalid)?;
         let svg = drawing::draw(&tables, &args.table);
-        std::fs::write(path, svg).map_err(|error| Failure::unwritable(path, error))?;
+        std::fs::write(path, svg).map_err(|error| {
+            Failure::wrong(format!("cannot write {}: {error}", path.display()), "choose another place with `--svg`")
+        })?;
     }
     Ok(Outcome::Done)
 }
 
-fn verify(args: &Verify) -> Result<Outcome, Failure> {
-    let checks = accuracy::verify(&read(&args.file)?, args.samples, args.seed).map_err(Failure::invalid)?;
-    let mut text = format!("{:<20} {:>12} {:>12}\n", "table", "stated", "measured");
-    for check in &checks {
-        let verdict = if check.holds { "" } else { "  TOO LARGE" };
-        text += &format!("{:<20} {:>12.2e} {:>12.2e}{verdict}\n", check.table, check.stored, check.measured);
-    }
-    console::print(&text)?;
+fn verify(args: &Verify, global: &Global) -> Result<Outcome, Failure> {
+    let checks = accuracy::verify(&read(&args.file)?, args.samples as usize, args.seed).map_err(Failure::invalid)?;
+    console::print(&if global.json { as_json(&checks) } else { as_text(&checks) })?;
     match checks.iter().find(|check| !check.holds) {
         Some(check) => Err(Failure::wrong(
             format!("table {}: error {:.2e} where the file states {:.2e}", check.table, check.measured, check.stored),
@@ -192,4 +202,21 @@ fn verify(args: &Verify) -> Result<Outcome, Failure> {
         )),
         None => Ok(Outcome::Done),
     }
+}
+
+fn as_text(checks: &[Verified]) -> String {
+    let line = |check: &Verified| {
+        let verdict = if check.holds { "" } else { "  TOO LARGE" };
+        format!("{:<20} {:>12.2e} {:>12.2e}{verdict}\n", check.table, check.stored, check.measured)
+    };
+    let head = format!("{:<20} {:>12} {:>12}\n", "table", "stated", "measured");
+    head + &checks.iter().map(line).collect::<String>()
+}
+
+fn as_json(checks: &[Verified]) -> String {
+    let of = |check: &Verified| {
+        let Verified { table, stored, measured, holds } = check;
+        serde_json::json!({ "table": table, "stated": stored, "measured": measured, "holds": holds })
+    };
+    format!("{:#}\n", serde_json::Value::from_iter(checks.iter().map(of)))
 }
