@@ -65,7 +65,7 @@ fn publish(staged: NamedTempFile, path: &Path) -> Result<()> {
 }
 
 /// Temporary files are private; packages are for everyone to read.
-fn set_ordinary_permissions(file: &File) -> std::io::Result<()> {
+pub(crate) fn set_ordinary_permissions(file: &File) -> std::io::Result<()> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;

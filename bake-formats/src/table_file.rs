@@ -198,6 +198,7 @@ impl TableFile {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut file = tempfile::NamedTempFile::new_in(folder).map_err(io)?;
         io::Write::write_all(&mut file, &self.to_bytes()).map_err(io)?;
+        crate::package::set_ordinary_permissions(file.as_file()).map_err(io)?;
         file.persist(path).map_err(|error| io(error.error))?;
         Ok(())
     }
