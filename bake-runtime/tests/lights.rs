@@ -2,7 +2,7 @@
 
 mod common;
 
-use bake_formats::manifest::{EnvironmentRecord, LightKind, LightRecord};
+use bake_formats::manifest::{EnvironmentRecord, LightKind, LightRecord, ProfileRecord};
 use bake_optics::medium::{Bounds, Density, Medium, Scatter};
 use bake_optics::phase::Phase;
 use bake_optics::surface::scattered_irradiance;
@@ -45,6 +45,30 @@ fn seen(index: usize) -> DVec3 {
 
 fn plain() -> Settings {
     Settings { filmic: false, ..Settings::default() }
+}
+
+/// A photometric profile, 1 + c/2 + (3c² - 1)/8 about its axis: Legendre coefficients 1, 1/2, 1/4.
+#[test]
+fn a_measured_lamp_that_was_not_baked_lights_a_wall_by_its_profile() {
+    let Some(headless) = headless() else { return };
+    let (position, axis) = (DVec3::new(0.25, 0.5, 1.0), DVec3::new(0.6, 0.0, -0.8));
+    let profile = Some(ProfileRecord { axis: axis.as_vec3(), legendre: vec![1.0, 0.5, 0.25] });
+    let kind = LightKind::Point { position: position.as_vec3(), radius: 0.001, range: None, profile };
+    let light = LightRecord { kind, ..lamp(position.as_vec3()) };
+    let scene = SceneData { dynamic_lights: vec![light], ..wall(0.6) };
+    let (pixels, _) = picture(&headless, scene, &front(2.0), &plain(), SIZE);
+    let mut worst = Worst::new("a measured lamp on a wall", 1e-5);
+    let mut even = Worst::new("as if it shone alike in all directions (negative control)", 1e-5);
+    for (index, pixel) in pixels.iter().enumerate() {
+        let offset = position - seen(index);
+        let cosine = axis.dot(-offset.normalize());
+        let share = 1.0 + 0.5 * cosine + 0.125 * (3.0 * cosine * cosine - 1.0);
+        let lambert = 0.6 / f64::from(PI) * 10.0 * offset.z / offset.length().powi(3);
+        worst.relative(pixel[0].into(), share * lambert, || format!("pixel {index}"));
+        even.relative(pixel[0].into(), lambert, String::new);
+    }
+    worst.check();
+    assert!(!even.holds(), "{:.2e}", even.measured());
 }
 
 #[test]
