@@ -14,6 +14,7 @@
 //! the point, so that light does not pass walls thinner than a cell. The noise of nodes is the same for all texels that look
 //! them up and is not part of a texel's variance.
 
+mod border;
 mod emitted;
 #[cfg(test)]
 mod tests;
@@ -44,6 +45,8 @@ const USUAL_LOOKS_PER_COLLISION: f32 = 1.15;
 /// Limits of it.
 const LEAST_LOOKS_PER_COLLISION: f32 = 0.5;
 const MOST_LOOKS_PER_COLLISION: f32 = 2.0;
+/// Cells along each axis at least.
+const FEWEST_CELLS: f64 = 4.0;
 /// Rays by which a node learns whether it lies inside something.
 const PROBES: u32 = 12;
 
@@ -98,11 +101,13 @@ impl LightGrid {
         progress.stage("light in the air", 3 * u64::from(grid.node_count()));
         let emitted = grid.emitted(paths, settings.samples, hash(seed, 3), counters, progress)?;
         let walks = settings.samples.div_ceil(WALK_SHARE);
-        grid.nodes = grid.fill(paths, &emitted, walks, hash(seed, 1), counters, progress)?;
+        let walked = grid.fill(paths, walks, hash(seed, 1), counters, progress)?;
+        grid.nodes = with_emitted(&walked, &emitted);
         let lit = Lit::new(paths.media.clone(), &grid, paths.tracer);
         let Paths { tracer, emitters, bounces, sh1, .. } = *paths;
         let paths = Paths { tracer, emitters, media: &lit, bounces, sh1 };
-        grid.nodes = grid.fill(&paths, &emitted, settings.samples, hash(seed, 2), counters, progress)?;
+        let gathered = grid.fill(&paths, settings.samples, hash(seed, 2), counters, progress)?;
+        grid.nodes = with_emitted(&grid.drawn_out(tracer, &gathered), &emitted);
         Ok(grid)
     }
 
@@ -121,18 +126,18 @@ impl LightGrid {
         grid
     }
 
+    /// Light at the nodes that paths find: straight from surfaces, and collided before.
     fn fill<M: Media>(
         &self,
         paths: &Paths<M>,
-        emitted: &[Emitted],
         samples: u32,
         seed: u32,
         counters: &mut [u64; 3],
         progress: &dyn Progress,
-    ) -> Result<Vec<Node>, Interrupted> {
+    ) -> Result<Vec<[Sh9; 2]>, Interrupted> {
         let nodes = (0..self.node_count()).into_par_iter().map(|index| {
             let counters = Counters::default();
-            let node = self.node(paths, index, &emitted[index as usize], samples, hash(seed, index), &counters);
+            let node = self.node(paths, index, samples, hash(seed, index), &counters);
             progress.advance(1);
             if progress.is_cancelled() { Err(Interrupted) } else { Ok((node, counters)) }
         });
@@ -150,17 +155,9 @@ impl LightGrid {
         self.size.element_product()
     }
 
-    fn node<M: Media>(
-        &self,
-        paths: &Paths<M>,
-        index: u32,
-        emitted: &Emitted,
-        samples: u32,
-        seed: u32,
-        counters: &Counters,
-    ) -> Node {
+    fn node<M: Media>(&self, paths: &Paths<M>, index: u32, samples: u32, seed: u32, counters: &Counters) -> [Sh9; 2] {
         if !self.free[index as usize] {
-            return Node::default();
+            return Default::default();
         }
         let (at, mut around, mut weights) = (self.lattice_point(index), Incident::default(), 0.0);
         for sample in 0..samples {
@@ -174,8 +171,7 @@ impl LightGrid {
         }
         let mean = |term: Term| around.terms[term as usize].map(|sum| sum / f32::max(weights, f32::MIN_POSITIVE));
         let [reflected, single, multiple] = [Term::Indirect, Term::Single, Term::Multiple].map(mean);
-        let collided = std::array::from_fn(|i| emitted.scattered[i] + single[i] + multiple[i]);
-        Node { straight: emitted.straight, reflected, collided, drawn: emitted.drawn }
+        [reflected, std::array::from_fn(|i| single[i] + multiple[i])]
     }
 
     /// A point that may look a node up, drawn by trilinear weight, and the weight that it has beside others of this node:
@@ -475,7 +471,18 @@ fn lattice(set: &MediumSet, min: Vec3, size: Vec3, fewest_cells: u32) -> UVec3 {
     let side = side(size.as_dvec3());
     let fine = (MOST_FREE_PATHS / densest).min(side / f64::from(fewest_cells));
     let spacing = fine.max(side / f64::from(MOST_CELLS));
-    (size.as_dvec3() / spacing).ceil().max(DVec3::splat(3.0)).as_uvec3() + 1
+    (size.as_dvec3() / spacing).ceil().max(DVec3::splat(FEWEST_CELLS)).as_uvec3() + 1
+}
+
+/// Nodes of what paths and what emitters bring.
+fn with_emitted(gathered: &[[Sh9; 2]], emitted: &[Emitted]) -> Vec<Node> {
+    let node = |([reflected, collided], emitted): (&[Sh9; 2], &Emitted)| Node {
+        straight: emitted.straight,
+        reflected: *reflected,
+        collided: std::array::from_fn(|i| collided[i] + emitted.scattered[i]),
+        drawn: emitted.drawn,
+    };
+    gathered.iter().zip(emitted).map(node).collect()
 }
 
 fn sees(tracer: &Tracer, from: Vec3, to: Vec3) -> bool {

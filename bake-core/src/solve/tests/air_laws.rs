@@ -65,44 +65,57 @@ fn walk_meets_published_slabs() {
 }
 
 /// The same by the light grid, judged up to depth 4 and mean cosine 0.5, and by tables, which are printed: sections 1 to 3 again, with
-/// the ground's albedo by the adding equation πT/(1 − ρR).
+/// the ground's albedo by the adding equation πT/(1 − ρR). The grid is judged by the mean of points among many nodes, whose
+/// noise is not part of a point's own.
 #[test]
 fn grid_meets_published_slabs() {
     let hg = |g: f64| Phase::HenyeyGreenstein { g };
     let is_long = std::env::var_os("BAKE_LONG").is_some();
-    let settings = GridSettings { cells: if is_long { 32 } else { 16 }, samples: if is_long { 512 } else { 128 } };
+    let settings = GridSettings { cells: if is_long { 24 } else { 16 }, samples: 512 };
     let mut worst = Worst::new("slab by grid, beyond three standard errors", 0.015);
     let mut twin = Worst::new("the same, 5 % too bright", 0.015);
     // Phase, albedo, depth, the sun's cosine if it is not the sky, the ground's albedo, published.
     let cases = [
-        (Phase::Isotropic, 0.9, 1.0, None, 0.0, 0.47475),
+        (Phase::Isotropic, 1.0, 4.0, None, 0.0, 0.24597),
         (Phase::Isotropic, 0.9, 1.0, None, 0.5, 0.47475 / (1.0 - 0.5 * 0.35271)),
-        (Phase::Isotropic, 0.9, 1.0, Some(0.5f32), 0.0, 0.41484),
         (hg(0.5), 0.9, 1.0, None, 0.0, 0.598548),
+        (Phase::Isotropic, 0.9, 1.0, None, 0.0, 0.47475),
+        (Phase::Isotropic, 0.9, 1.0, Some(0.5f32), 0.0, 0.41484),
         (Phase::Isotropic, 0.5, 0.5, None, 0.0, 0.53499),
         (Phase::Isotropic, 1.0, 2.0, Some(1.0), 0.0, 0.48249),
         (hg(0.5), 0.9, 2.0, Some(1.0), 0.0, 0.52327),
-        (Phase::Isotropic, 1.0, 4.0, None, 0.0, 0.24597),
         (hg(-0.3), 1.0, 2.0, None, 0.0, 0.331654),
         (hg(0.75), 1.0, 2.0, None, 0.0, 0.695960),
         (hg(0.75), 0.9, 2.0, Some(1.0), 0.0, 0.66096),
         (Phase::Isotropic, 1.0, 8.0, None, 0.0, 0.14153),
     ];
-    for (phase, albedo, tau, cos, ground, want) in cases.into_iter().take(if is_long { usize::MAX } else { 4 }) {
+    for (phase, albedo, tau, cos, ground, want) in cases.into_iter().take(if is_long { usize::MAX } else { 3 }) {
         let is_judged = tau <= 4.0 && phase.mean_cosine().abs() <= 0.5;
         let what = format!("{phase:?}, albedo {albedo}, depth {tau}, sun {cos:?}, ground {ground}");
-        // Ten free paths to each side.
-        let (mut scene, air) = layer_of(10.0 / tau, tau, albedo, phase);
-        scene.materials[0] = matte(ground);
+        // A low sun shines in at the sides. Other light is sent back there by white walls: without them it adds 1.2 % at depth
+        // 4 and ten free paths.
+        let is_walled = cos.is_none_or(|cos| cos == 1.0);
+        let reach = if is_walled { 6.0 } else { 13.0 } / tau;
+        let (mut scene, air) = layer_of(reach, tau, albedo, phase);
+        scene.materials = vec![matte(ground), matte(1.0)];
+        if is_walled {
+            add_walls(&mut scene, reach as f32);
+        }
         match cos {
             None => scene.environment = Some(sky(1.0)),
             Some(cos) => scene.lights = vec![sun(1.0, Vec3::new((1.0 - cos * cos).sqrt(), cos, 0.0))],
         }
         let unit = cos.map_or(std::f64::consts::PI, f64::from);
-        let samples = if is_long { 8192 } else { 2048 };
-        let [(grid, noise), (tables, _)] =
-            [by_grid(&scene, &air, &MIDDLE, settings, samples)[0], by_tables(&scene, &air, &MIDDLE, samples)[0]]
-                .map(|(got, error)| (got / unit, error / unit));
+        // Within two free paths of the middle.
+        let step = 2.0 / (3.0 * tau as f32);
+        let points = (0..49)
+            .map(|i| ((Vec3::new((i % 7) as f32, 0.0, (i / 7) as f32) - 3.0 * (Vec3::X + Vec3::Z)) * step, Vec3::Y));
+        let points: Vec<(Vec3, Vec3)> = points.collect();
+        let at_points = by_grid(&scene, &air, &points, settings, if is_long { 1024 } else { 256 });
+        let count = points.len() as f64 * unit;
+        let grid = at_points.iter().map(|(got, _)| got).sum::<f64>() / count;
+        let noise = at_points.iter().map(|(_, error)| error * error).sum::<f64>().sqrt() / count;
+        let tables = by_tables(&scene, &air, &MIDDLE, if is_long { 8192 } else { 2048 })[0].0 / unit;
         println!("{what}: grid {grid:.4} ± {noise:.4}, tables {tables:.4}, published {want:.4}");
         if is_judged {
             let off = |got: f64| ((got - want).abs() - 3.0 * noise).max(0.0) / want;
@@ -112,6 +125,17 @@ fn grid_meets_published_slabs() {
     }
     worst.check();
     assert!(!twin.holds(), "a bake 5 % too bright must fail");
+}
+
+/// Walls 1 m high around a layer that reaches so far to each side, which face it.
+fn add_walls(scene: &mut Scene, reach: f32) {
+    for (side, along) in
+        [(Vec3::X, Vec3::Z), (Vec3::Z, Vec3::NEG_X), (Vec3::NEG_X, Vec3::NEG_Z), (Vec3::NEG_Z, Vec3::X)]
+    {
+        let wall = quad(reach * (side - along), 2.0 * reach * along, Vec3::Y, 1);
+        scene.instances.push(crate::test_scenes::instance(scene.meshes.len() as u32, Affine3A::IDENTITY));
+        scene.meshes.push(wall);
+    }
 }
 
 fn sky(radiance: f32) -> Environment {
@@ -134,7 +158,7 @@ fn a_furnace_of_fog_stays_a_furnace() {
         let mut results = vec![("walk", irradiance(&scene, &Fog::new(&air), &points, 1024))];
         // The noise of nodes is not part of a texel's standard error, and thick air takes many nodes.
         if tau < 10.0 || is_long {
-            let settings = GridSettings { cells: 12, samples: if is_long { 1024 } else { 256 } };
+            let settings = GridSettings { cells: 12, samples: if is_long { 1024 } else { 512 } };
             results.push(("grid", by_grid(&scene, &air, &points, settings, 1024)));
         }
         for (mode, got) in results {
