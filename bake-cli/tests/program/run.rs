@@ -346,9 +346,13 @@ fn explain_tells_what_each_effect_cost_and_changed() {
     let fog = "--fog sigma_t=0.3/0.2/0.1,albedo=0.9,g=0.4 --mode walk --force-effect absorption=off";
     let ended = desk.bake(&format!("run room.glb --samples 8 --texels-per-m 2 {fog} --explain -o out"));
     ended.expect(0, &[]);
-    for part in
-        ["seconds      surface tracing", "multiple scattering", "changed by   scattering", "left out     absorption"]
-    {
+    for part in [
+        "seconds      surface tracing",
+        "single scattering",
+        "multiple scattering",
+        "changed by   scattering",
+        "left out     absorption",
+    ] {
         assert!(ended.out.contains(part), "`{part}` is not in:\n{}", ended.out);
     }
     let text = std::fs::read_to_string(desk.path("out/room.run.json")).expect("written");
