@@ -18,6 +18,7 @@ mod panel;
 mod screenshot;
 mod stage;
 mod turned;
+mod widgets;
 mod window;
 
 pub use error::ViewError;

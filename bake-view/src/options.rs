@@ -29,6 +29,8 @@ pub struct Options {
     pub difference: Option<f32>,
     /// Distance from which on instanced clutter is thinned, metres; none: everything is drawn.
     pub prune_start_m: Option<f32>,
+    /// File in which the window keeps the list of its widgets and their places.
+    pub widgets: Option<PathBuf>,
 }
 
 /// What a package is compared with.
@@ -91,6 +93,7 @@ impl Default for Options {
             compare: None,
             difference: None,
             prune_start_m: None,
+            widgets: None,
         }
     }
 }

@@ -98,6 +98,7 @@ fn press_keys(ui: &Ui, viewer: &mut Viewer) {
 fn touch(ui: &mut Ui, viewer: &mut Viewer, picture: egui::TextureId) -> Touched {
     let area = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(area, Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, "picture"));
     let all = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
     ui.painter().image(picture, area, all, egui::Color32::WHITE);
     divide(ui, area, &mut viewer.look.split);

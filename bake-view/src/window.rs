@@ -21,6 +21,7 @@ use crate::panel::{self, Facts, Touched};
 use crate::screenshot::{open, png};
 use crate::stage::{FORMAT, Stage};
 use crate::turned::Turned;
+use crate::widgets::WidgetFile;
 
 /// Opens a window on a package and returns when it is closed.
 pub fn window(package: Package, options: Options) -> Result<(), ViewError> {
@@ -97,6 +98,7 @@ struct Desk {
     /// Texel of the picture that was read last.
     read: Option<[u32; 2]>,
     facts: Facts,
+    widgets: Option<WidgetFile>,
 }
 
 impl Desk {
@@ -128,8 +130,27 @@ impl Desk {
         let egui = egui_winit::State::new(context, egui::ViewportId::ROOT, &window, None, None, Some(side));
         let viewer = viewer(&stage, options);
         let facts = facts(&stage);
+        let widgets = options.widgets.clone().map(WidgetFile::new);
+        if widgets.is_some() {
+            egui.egui_ctx().enable_accesskit();
+        }
         let (pace, shown, read) = (Pace::default(), None, None);
-        Ok(Self { window, surface, config, egui, painter, stage, viewer, pace, target, texture, shown, read, facts })
+        Ok(Self {
+            window,
+            surface,
+            config,
+            egui,
+            painter,
+            stage,
+            viewer,
+            pace,
+            target,
+            texture,
+            shown,
+            read,
+            facts,
+            widgets,
+        })
     }
 
     /// Answers an event; `false`: the program is to end.
@@ -171,6 +192,9 @@ impl Desk {
         let stale = self.read(&touched, drawn)? || drawn;
         if std::mem::take(&mut self.viewer.save) {
             self.save()?;
+        }
+        if let Some((file, shown)) = self.widgets.as_mut().zip(output.platform_output.accesskit_update.as_ref()) {
+            file.keep(shown, output.pixels_per_point)?;
         }
         self.egui.handle_platform_output(&self.window, output.platform_output);
         let triangles = context.tessellate(output.shapes, output.pixels_per_point);

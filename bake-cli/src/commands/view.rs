@@ -63,6 +63,9 @@ pub struct Args {
     /// What is shown: light, irradiance as the lightmap has it, its texels, their density, its charts, its error (white: 10 %), its validity, or a colour for each node
     #[arg(long, value_name = "WHAT", default_value = "light")]
     pub show: ViewArgument,
+    /// Keep the list of the window's widgets and their places in this file, for programs that use it as a person would
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["screenshot", "list_variants"])]
+    pub widgets: Option<PathBuf>,
 }
 
 /// Draws, or opens the window.
@@ -77,6 +80,7 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
         terms: args.terms.clone().map(|terms| terms.0),
         compare: args.compare.clone().map(|compare| compare.0),
         prune_start_m: args.prune.map(|start| if start > 0.0 { start } else { f32::MIN_POSITIVE }),
+        widgets: args.widgets.clone(),
         difference: args.difference.map(|share| if share > 0.0 { share.min(1e6) } else { 0.1 }),
     };
     if args.list_variants {

@@ -27,9 +27,14 @@ impl Desk {
 
     /// With `room.glb`: the smallest of the project's scenes.
     pub fn with_room() -> Self {
+        Self::with_scene("cornell.glb")
+    }
+
+    /// With `room.glb`: one of the project's scenes.
+    pub fn with_scene(name: &str) -> Self {
         let desk = Self::new();
-        let scene = testkit::reference::workspace().join("scenes/cornell.glb");
-        std::fs::copy(scene, desk.path("room.glb")).expect("scenes/cornell.glb is committed");
+        let scene = testkit::reference::workspace().join("scenes").join(name);
+        std::fs::copy(scene, desk.path("room.glb")).expect("the scenes are committed");
         desk
     }
 

@@ -15,3 +15,5 @@ mod usage;
 mod view;
 #[cfg(all(feature = "view", target_os = "linux"))]
 mod window;
+#[cfg(all(feature = "view", target_os = "linux"))]
+mod window_panel;

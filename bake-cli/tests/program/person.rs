@@ -10,7 +10,7 @@ use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
 /// How long the window may take to show what it should.
-const PATIENCE: Duration = Duration::from_secs(120);
+pub const PATIENCE: Duration = Duration::from_secs(120);
 
 /// How long a tap on a key takes.
 const A_MOMENT: Duration = Duration::from_millis(50);
@@ -187,6 +187,29 @@ impl Seen<'_> {
     fn move_to(&self, place: [i16; 2], wait: Duration) {
         self.display.send(xproto::MOTION_NOTIFY_EVENT, 0, place);
         std::thread::sleep(wait);
+    }
+
+    /// Points at a place.
+    pub fn point_at(&self, place: [i16; 2]) {
+        self.move_to(place, A_MOMENT);
+    }
+
+    /// Clicks at a place with the left button. So fast that a window that is busy sees no long press in it.
+    pub fn click(&self, place: [i16; 2]) {
+        self.point_at(place);
+        self.display.send(xproto::BUTTON_PRESS_EVENT, 1, [0, 0]);
+        self.display.send(xproto::BUTTON_RELEASE_EVENT, 1, [0, 0]);
+    }
+
+    /// Holds the left button at a place until the window shows something of which `right` is true.
+    #[track_caller]
+    pub fn hold_at(&mut self, place: [i16; 2], what: &str, right: impl Fn(&Pixels) -> bool) {
+        self.point_at(place);
+        self.display.send(xproto::BUTTON_PRESS_EVENT, 1, [0, 0]);
+        self.until(what, right);
+        self.display.send(xproto::BUTTON_RELEASE_EVENT, 1, [0, 0]);
+        // A window that is busy would take what follows for the same movement.
+        std::thread::sleep(4 * A_MOMENT);
     }
 
     /// Gives the window another size.

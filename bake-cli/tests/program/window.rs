@@ -8,20 +8,23 @@ use crate::person::{Display, ESCAPE, Pixels, Seen, TAB};
 const CAMERA: &str = "--camera 0,1.5,6.2:0,1.5,0:38";
 
 /// The window paints the very bytes; one step of 255 is left to displays that round.
-const SAME: f64 = 1.0;
+pub const SAME: f64 = 1.0;
 
 /// Other pictures differ by several times that much.
-const OTHER: f64 = 4.0;
+pub const OTHER: f64 = 4.0;
 
 /// A display and a baked room, or a counted skip.
 fn room() -> Option<(Display, Desk)> {
+    baked(Desk::with_room(), "sigma_t=0.5,albedo=0.9")
+}
+
+/// A display and a desk whose room is baked in a medium, or a counted skip.
+pub fn baked(desk: Desk, fog: &str) -> Option<(Display, Desk)> {
     let Some(display) = Display::start() else {
         testkit::reference::skip("no Xvfb for a window (Debian: xvfb)");
         return None;
     };
-    let desk = Desk::with_room();
-    let baked =
-        desk.bake("-q run room.glb --quality preview --texels-per-m 2 --samples 16 --fog sigma_t=0.5,albedo=0.9");
+    let baked = desk.bake(&format!("-q run room.glb --quality preview --texels-per-m 2 --samples 16 --fog {fog}"));
     assert!(matches!(baked.code, Some(0 | 3)), "{baked:#?}");
     let first = desk.bake("view room.bake --screenshot first.png --size 8x8");
     if first.err.contains("no graphics adapter") {
@@ -33,7 +36,7 @@ fn room() -> Option<(Display, Desk)> {
 }
 
 /// The picture without a window.
-fn picture(desk: &Desk, size: [u32; 2], flags: &str) -> Pixels {
+pub fn picture(desk: &Desk, size: [u32; 2], flags: &str) -> Pixels {
     let [width, height] = size;
     desk.bake(&format!("view room.bake --screenshot still.png --size {width}x{height} {flags}")).expect(0, &[]);
     Pixels::read(&desk.path("still.png"))
