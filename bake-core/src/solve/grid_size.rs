@@ -4,7 +4,7 @@ use bake_optics::medium::MediumSet;
 use glam::{DVec3, Vec3};
 
 /// Largest distance of nodes, in mean free paths. Under four of them, albedo 0.8 and a sky, 0.45 (impulse responses, section 12.5)
-/// is 1.9 % too bright on the ground, this 1.5 %: one-dimensional quadrature.
+/// is 1.9 % too bright on the ground, this 1.5 %: the quadrature of the grid's border.
 pub const MOST_FREE_PATHS: f64 = 0.4;
 /// Side of the cube that holds as many cells as there may be.
 pub const MOST_CELLS: u32 = 40;
