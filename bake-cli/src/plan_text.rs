@@ -64,8 +64,13 @@ pub fn text(name: &str, plan: &Plan) -> String {
             format!("{least} to {most}, usually about {usual}, on {} threads, roughly", cost.threads)
         },
     );
-    if let Some([least, usual, most]) = plan.paths_bytes.map(|bytes| bytes.map(units::bytes)) {
-        line("paths", format!("{least} to {most}, usually about {usual}, kept for `bake refog`"));
+    if let Some(kept) = &plan.kept_paths {
+        let [least, usual, most] = kept.bytes.map(units::bytes);
+        let noise = match kept.noise {
+            times if times > 1.0 => format!("with up to {} times the noise of a bake", number(times)),
+            _ => "with no more noise than a bake".into(),
+        };
+        line("paths", format!("{least} to {most}, usually about {usual}, kept for `bake refog`: {noise}"));
     }
     line("memory", format!("{}, roughly", units::bytes(cost.memory_bytes)));
     text

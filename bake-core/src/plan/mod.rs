@@ -41,14 +41,24 @@ pub struct Plan {
     pub lattices: Lattices,
     /// What it will take.
     pub cost: Cost,
-    /// Bytes of kept paths for the least, usual and most samples, where they are kept.
-    pub paths_bytes: Option<[u64; 3]>,
+    /// What keeping paths takes, where they are kept.
+    pub kept_paths: Option<KeptPaths>,
     /// The air that is simulated: less what is left out.
     #[serde(skip)]
     pub simulated: Air,
     /// What the solver is told: mode, and what is left out.
     #[serde(skip)]
     pub solver: LightmapSettings,
+}
+
+/// What keeping paths takes, and what folding them with other air costs in noise.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct KeptPaths {
+    /// Bytes for the least, usual and most samples.
+    pub bytes: [u64; 3],
+    /// Standard error of the folded pages over that of a bake by tables in the other air with the same samples: at most, as
+    /// measured where as many rays escape.
+    pub noise: f64,
 }
 
 /// Size of the scene.
@@ -138,13 +148,14 @@ impl Plan {
         };
         let mut cost = cost(scene, settings, atlas, texels + lattices.points() as usize, threads);
         cost.memory_bytes += lattices.points() * LATTICE_POINT;
-        let paths_bytes = paths_bytes(settings, &cost, texels)?;
-        cost.memory_bytes += paths_bytes.map_or(0, |[_, usual, _]| usual.min(kept_size::MEMORY_BYTES));
+        let needs_escaping = settings.keep_paths || !air.is_empty();
+        let escaping = if needs_escaping { pilot::escaping(tracer, atlas, settings.seed) } else { 0.0 };
+        let kept_paths = kept_paths(settings, &cost, texels, !air.is_empty(), escaping)?;
+        cost.memory_bytes += kept_paths.map_or(0, |kept| kept.bytes[1].min(kept_size::MEMORY_BYTES));
         let mut solver = settings.lightmap_settings();
         let budget = Budget::new(scene, air, pilot::median(tracer, &air.media, atlas, &solver));
         let mut effects = effects::derive(scene, air, settings, &budget);
         let simulated = effects::reduce(&effects, air);
-        let escaping = if air.is_empty() { 0.0 } else { pilot::escaping(tracer, atlas, solver.seed) };
         let mode = choose_mode(scene, &simulated, settings, &effects, escaping);
         solver.mode = mode.as_ref().map_or(Mode::Walk, |choice| choice.mode);
         effects.extend(effects::of_solver(mode.as_ref().map(|choice| choice.mode), &simulated, settings, &budget));
@@ -157,15 +168,21 @@ impl Plan {
             solver,
             scene: scene_size(scene, atlas),
             cost,
-            paths_bytes,
+            kept_paths,
             lattices,
             atlas: size,
         })
     }
 }
 
-/// Bytes of kept paths for the least, usual and most samples, where they are kept.
-fn paths_bytes(settings: &Settings, cost: &Cost, texels: usize) -> Result<Option<[u64; 3]>, SettingsError> {
+/// What keeping paths takes, where they are kept.
+fn kept_paths(
+    settings: &Settings,
+    cost: &Cost,
+    texels: usize,
+    has_air: bool,
+    escaping: f64,
+) -> Result<Option<KeptPaths>, SettingsError> {
     let bytes = cost.samples.map(|count| kept_size::bytes(u64::from(count), texels));
     if settings.keep_paths && bytes[1] > kept_size::MOST_BYTES {
         let way_out = "lower `texels_per_m`, `samples` or the quality";
@@ -176,7 +193,7 @@ fn paths_bytes(settings: &Settings, cost: &Cost, texels: usize) -> Result<Option
             way_out,
         });
     }
-    Ok(settings.keep_paths.then_some(bytes))
+    Ok(settings.keep_paths.then_some(KeptPaths { bytes, noise: kept_size::noise(has_air, escaping) }))
 }
 
 /// The solver for the air that is left.

@@ -220,3 +220,16 @@ fn the_own_plane_is_left_out_within_its_bound() {
     let walk = plan(&tracer, &smoke(2.0), &settings_of(16, &[]));
     assert_eq!((listed(&walk).on, listed(&walk).bound), (false, 0.0), "walks find it");
 }
+
+/// A bare floor loses almost every ray: what is kept of it folds with more noise, most where it was kept without air.
+#[test]
+fn the_noise_of_kept_paths_is_said() {
+    let settings = Settings { keep_paths: true, ..settings_of(16, &[]) };
+    let noise = |scene: &Scene, air: &Air| plan(&Tracer::new(scene), air, &settings).kept_paths.map(|kept| kept.noise);
+    let (mut floor, none) = (room(false), Air { media: MediumSet::default(), ..smoke(1.0) });
+    floor.instances.truncate(1);
+    let noises = [(&room(true), &smoke(1.0)), (&floor, &smoke(1.0)), (&floor, &none)].map(|(s, air)| noise(s, air));
+    let [Some(closed), Some(open), Some(without_air)] = noises else { panic!("paths are kept: {noises:?}") };
+    assert!(closed == 1.0 && closed < open && open < without_air, "{noises:?}");
+    assert_eq!(plan(&Tracer::new(&floor), &none, &settings_of(16, &[])).kept_paths, None);
+}
