@@ -2,7 +2,7 @@
 //! page of plots shows error against seconds.
 //!
 //! [`sweep`] says which settings are baked: [`point`]s, as many as the [`effort`] allows; [`measure`] bakes one of them, [`store`] keeps every measured
-//! point at once, so that an interrupted study goes on where it was, [`pareto`] finds what is worth its time,
+//! point at once, so that an interrupted study goes on where it was, [`pareto`] finds what is worth its time and [`reach`] when an error is reached,
 //! [`report`] writes the page with [`plot`] and [`thumbnails`]; [`study`] runs all of it. [`effects`] checks the plan's
 //! choices, [`stability`] shows where numbers keep their digits.
 //!
@@ -18,6 +18,7 @@ pub mod pareto;
 pub mod plot;
 pub mod point;
 pub mod ratio;
+pub mod reach;
 pub mod report;
 pub mod stability;
 pub mod store;

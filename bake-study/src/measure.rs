@@ -215,6 +215,11 @@ impl Errors {
     pub fn is_biased(&self) -> bool {
         self.bias.abs() > CERTAIN * self.bias_error
     }
+
+    /// Whether the floor can be told from chance.
+    pub fn has_floor(&self) -> bool {
+        self.floor > self.least_floor
+    }
 }
 
 /// Gives texels that are no finite numbers [`NO_NUMBER`] times the reference's mean, and no variance that could excuse it.
@@ -241,7 +246,7 @@ mod tests {
         for bad in [f32::NAN, f32::INFINITY] {
             let errors = Errors::between(&[page(|i| if i == 7 { bad } else { 10.0 }, 0.1)], &truth);
             assert!(errors.is_biased() && errors.bias > 5.0 && errors.rmse > 100.0, "{errors:?}");
-            assert!(errors.floor > errors.least_floor && errors.noise.is_finite(), "{errors:?}");
+            assert!(errors.has_floor() && errors.noise.is_finite(), "{errors:?}");
         }
         let mut unsure = page(|_| 10.0, 0.1);
         unsure.variance[3] = Vec3::splat(f32::NAN);
@@ -269,10 +274,10 @@ mod tests {
         let errors = Errors::between(&noisy, &truth);
         assert!((errors.bias - 0.03).abs() < 1e-6 && (errors.noise - 0.04).abs() < 1e-6, "{errors:?}");
         assert!((errors.rmse - 0.05).abs() < 1e-6 && (errors.floor - 0.03).abs() < 1e-6, "{errors:?}");
-        assert!(errors.is_biased() && errors.floor > errors.least_floor, "{errors:?}");
+        assert!(errors.is_biased() && errors.has_floor(), "{errors:?}");
         // The same noise alone is no bias and has no floor.
         let honest = Errors::between(&[page(|i| if i.is_multiple_of(2) { 10.4 } else { 9.6 }, 0.4)], &truth);
-        assert!(!honest.is_biased() && honest.floor < honest.least_floor, "{honest:?}");
+        assert!(!honest.is_biased() && !honest.has_floor(), "{honest:?}");
     }
 
     #[test]

@@ -20,6 +20,12 @@ figure img{image-rendering:pixelated;width:190px;background:#000}details{margin:
 @media print{body{max-width:none;background:#fff;color:#000}section,figure,tr{break-inside:avoid}\
 details::details-content{content-visibility:visible;display:block}}";
 
+/// How to read [`crate::reach::Reach`].
+pub const REACH: &str = "\
+A time with ~ was not measured: more samples are expected to take it, by the noise, which falls as one over the root of time, \
+and the floor, which stays. With ≥ the floor is too small to be told from chance, so it may be more; \
+never: the floor is above.";
+
 /// Error of the tables by size.
 const RECORDED: &str = include_str!("../../docs/tables.csv");
 
@@ -61,6 +67,7 @@ pub fn frame(title: &str, body: Markup) -> String {
 fn modes(summary: &Summary) -> Markup {
     html! {
         h2 { "Each mode" }
+        p { (REACH) }
         table {
             tr {
                 th { "mode" }
@@ -70,7 +77,7 @@ fn modes(summary: &Summary) -> Markup {
             @for mode in &summary.modes {
                 tr {
                     td { (mode.name) }
-                    @for seconds in &mode.seconds_to { td.n { (seconds.map_or("–".into(), |seconds| format!("{seconds:.2}"))) } }
+                    @for reach in &mode.seconds_to { td.n { (reach) } }
                     td.n { (floor(&mode.errors)) }
                     (bias(&mode.errors))
                     @for overhead in [mode.overhead, mode.overhead_at_fewest] {

@@ -3,6 +3,7 @@
 use crate::measure::Errors;
 use crate::pareto;
 use crate::point::Point;
+use crate::reach::Reach;
 use crate::store::{Row, Store};
 use crate::study::Study;
 use crate::sweep::{Group, Kind, Series};
@@ -62,8 +63,8 @@ pub struct Reference {
 pub struct ModeSummary {
     /// Its name.
     pub name: String,
-    /// Seconds to each of [`LEVELS`], by a power law between measured points; absent where its most samples do not reach it.
-    pub seconds_to: Vec<Option<f64>>,
+    /// When it comes down to each of [`LEVELS`].
+    pub seconds_to: Vec<Reach>,
     /// With the most samples: seconds and errors.
     pub seconds: f64,
     /// See `seconds`.
@@ -179,7 +180,6 @@ impl Summary {
 impl ModeSummary {
     fn new(series: &Series, bare: Option<&Series>, store: &Store) -> Option<Self> {
         let rows: Vec<&Row> = series.points.iter().filter_map(|(_, point)| store.row(point)).collect();
-        let line: Vec<(f64, f64)> = rows.iter().map(|row| (row.seconds, row.rmse)).collect();
         let overhead = |row: &Row| {
             let same =
                 bare?.points.iter().filter_map(|(_, point)| store.row(point)).find(|b| b.samples == row.samples)?;
@@ -188,7 +188,7 @@ impl ModeSummary {
         let most = rows.last()?;
         Some(Self {
             name: series.name.clone(),
-            seconds_to: LEVELS.map(|level| pareto::seconds_to(&line, level)).into(),
+            seconds_to: LEVELS.iter().filter_map(|&level| Reach::new(&rows, level)).collect(),
             seconds: most.seconds,
             errors: most.errors(),
             overhead: overhead(most),
@@ -197,11 +197,9 @@ impl ModeSummary {
     }
 
     fn text(&self) -> String {
-        let to = LEVELS.iter().zip(&self.seconds_to).map(|(level, seconds)| {
-            format!("{} %: {}", 100.0 * level, seconds.map_or("–".into(), |seconds| format!("{seconds:.2} s")))
-        });
+        let to = LEVELS.iter().zip(&self.seconds_to).map(|(level, reach)| format!("{} %: {reach}", 100.0 * level));
         let mut text = format!(
-            "{}; floor {}, bias {:+.2} %",
+            "seconds to {}; floor {}, bias {:+.2} %",
             to.collect::<Vec<_>>().join(", "),
             floor(&self.errors),
             100.0 * self.errors.bias
@@ -220,11 +218,7 @@ impl ModeSummary {
 
 /// The floor, or that it cannot be told from chance.
 pub fn floor(errors: &Errors) -> String {
-    if errors.floor > errors.least_floor {
-        percent(errors.floor)
-    } else {
-        format!("below {}", percent(errors.least_floor))
-    }
+    if errors.has_floor() { percent(errors.floor) } else { format!("below {}", percent(errors.least_floor)) }
 }
 
 /// A share in per cent, with as many digits as it bears.

@@ -2,6 +2,7 @@
 
 use crate::Origin;
 use crate::cases::{CASES, Case};
+use bake_study::report::REACH;
 use bake_study::summary::{LEVELS, ModeSummary, Summary, floor, percent};
 use std::error::Error;
 use std::fmt::Write;
@@ -16,12 +17,11 @@ Errors are relative to a reference by walks, whose variance is taken off; on one
 processor's, all threads together, without loading and layout: read them as ratios. The floor is the part of the RMSE at the most
 samples that is not noise: what a mode's own bias costs (for `grid` and `tables` also the noise that all texels share). *Over no air* is
 the time beside that of the same samples in the same scene without air; the published figure for tables is 4 to 15 % (Dubouchet et al. 2019).
-A dash: not reached with the most samples measured.
 ";
 
 /// The whole page, of the cases that were recorded.
 pub fn markdown(kept: &Path) -> Result<String, Box<dyn Error>> {
-    let mut text = HEAD.to_owned();
+    let mut text = format!("{HEAD}{REACH}\n");
     for case in &CASES {
         let folder = kept.join(case.name);
         if folder.join("study.json").exists() {
@@ -75,7 +75,7 @@ fn section(text: &mut String, case: &Case, summary: &Summary, origin: &Origin) -
 }
 
 fn row(text: &mut String, mode: &ModeSummary) -> std::fmt::Result {
-    let seconds: String = mode.seconds_to.iter().map(|s| s.map_or(" – |".into(), |s| format!(" {s:.2} |"))).collect();
+    let seconds: String = mode.seconds_to.iter().map(|reach| format!(" {reach} |")).collect();
     let over = |share: Option<f64>| share.map_or("–".into(), |share| format!("{:+.0} %", 100.0 * share));
     let (bias, error) = (100.0 * mode.errors.bias, 100.0 * mode.errors.bias_error);
     writeln!(
