@@ -276,6 +276,9 @@ fn a_constant_changed_on_one_side_only_is_found() {
         // Rays through edges: a tie that is no side loses a crossing.
         ("mesh", "return sign(a.y - b.y)", "return 0.0"),
         ("mesh", "winding -= list.at[i].y;", "winding = list.at[i].y - winding;"),
+        ("density in a mesh", "list.winding += crossing.y", "list.winding += abs(crossing.y)"),
+        ("density in a hull", "dot(plane.xyz, place)", "1.01 * dot(plane.xyz, place)"),
+        ("density in a box", "place.y - medium.base", "place.y - 1.0001 * medium.base"),
         ("grid", "0.28867513459", "0.2887"),
         ("planet", "r0 * (1.0 + 2.0", "r0 * (1.0001 + 2.0"),
         ("lut", "h * (1.0 + v * v)", "h * (1.001 + v * v)"),

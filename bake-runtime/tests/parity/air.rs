@@ -179,6 +179,7 @@ pub fn cases() -> Vec<Case> {
     let block = Bounds::Box { min: DVec3::new(-2.0, -1.0, -3.0), max: DVec3::new(1.0, 2.0, 0.5) };
     let ball_bounds = Bounds::Sphere { centre: DVec3::new(0.5, 0.25, -1.0), radius: 3.0 };
     let layer = Density::Exponential { base_m: 1.5, scale_height_m: 4.0 };
+    let linear = Density::Linear { zero_m: 2.0, slope_per_m: -0.25 };
     vec![
         quadrature("quadrature, isotropic", 16, Phase::Isotropic, Emitter::Isotropic),
         quadrature("quadrature, Rayleigh", 16, Phase::Rayleigh, Emitter::Isotropic),
@@ -196,15 +197,26 @@ pub fn cases() -> Vec<Case> {
             .case(|sight, lamp, air| RayMarch { steps: 64 }.radiance(sight, lamp, air)),
         lut(),
         optical_length("exponential", layer.clone(), Bounds::Unbounded, 2e-5),
-        optical_length("linear", Density::Linear { zero_m: 2.0, slope_per_m: -0.25 }, Bounds::Unbounded, 2e-5),
-        optical_length("box", Density::Uniform, block, 2e-5),
-        optical_length("ball", Density::Uniform, ball_bounds, 1e-4),
+        optical_length("linear", linear.clone(), Bounds::Unbounded, 2e-5),
+        optical_length("box", Density::Uniform, block.clone(), 2e-5),
+        optical_length("ball", Density::Uniform, ball_bounds.clone(), 1e-4),
         optical_length("hull", Density::Uniform, prism(), 2e-5),
         optical_length("mesh", Density::Uniform, Bounds::Mesh(Arc::new(crate::common::angle(2, |p| p))), 1e-4),
-        optical_length("fog in a mesh", layer, Bounds::Mesh(Arc::new(crate::common::angle(2, |p| p - 1.0))), 1e-4),
+        optical_length(
+            "fog in a mesh",
+            layer.clone(),
+            Bounds::Mesh(Arc::new(crate::common::angle(2, |p| p - 1.0))),
+            1e-4,
+        ),
         optical_length("grid", cloud(), Bounds::Unbounded, 2e-5),
         optical_length("planet", planet(6.371e6, 8.0e3), Bounds::Unbounded, 2e-5),
         optical_length("small planet", planet(40.0, 3.0), Bounds::Unbounded, 2e-5),
+        density_at("density in a box", layer.clone(), block, 5e-6),
+        density_at("density in a ball", linear.clone(), ball_bounds, 5e-6),
+        density_at("density in a hull", cloud(), prism(), 5e-6),
+        density_at("density in a mesh", layer, Bounds::Mesh(Arc::new(crate::common::angle(2, |p| p - 1.0))), 5e-6),
+        density_at("density over a planet", planet(6.371e6, 8.0e3), Bounds::Unbounded, 5e-6),
+        density_at("density over a small planet", planet(40.0, 3.0), Bounds::Unbounded, 5e-6),
     ]
 }
 
@@ -246,6 +258,52 @@ fn lut() -> Case {
 
 /// Optical length of a ray from the eye (a.xyz, length a.w, direction b.xyz).
 fn optical_length(name: &'static str, density: Density, bounds: Bounds, limit: f64) -> Case {
+    let mut inputs = rays();
+    if let Bounds::Mesh(mesh) = &bounds {
+        inputs.extend(through_edges(mesh));
+    }
+    // Level, upright and almost level rays.
+    for dir in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [1.0, 1e-6, 0.0], [1.0, -1e-4, 0.0]] {
+        inputs
+            .extend([0.01, 1.0, 50.0].map(|length| vec![0.25, 1.0, -0.5, length, dir[0], round(dir[1]), dir[2], 0.0]));
+    }
+    let (set, case) = in_medium(density, bounds);
+    Case {
+        name,
+        call: "vec4f(optical_depth(ViewRay(a.xyz, b.xyz, a.w)), 0.0)".into(),
+        inputs,
+        limit,
+        twin: Box::new(move |row| {
+            let dir = DVec3::new(row[4], row[5], row[6]);
+            let ray = Ray::new(DVec3::new(row[0], row[1], row[2]), dir.normalize(), row[3]);
+            // Borders that a ray only touches move by the rounding of its places.
+            (vec![set.optical_depth(&ray)[0]], 1e-2)
+        }),
+        ..case
+    }
+}
+
+/// Density at a place (a.xyz) as far as the bounds reach: in a lattice about them and at random.
+fn density_at(name: &'static str, density: Density, bounds: Bounds, limit: f64) -> Case {
+    let mut random = SmallRng::seed_from_u64(11);
+    let mut anywhere = || [(); 3].map(|()| round(random.random_range(-3.0..3.0))).to_vec();
+    // Odd steps: none of the places lies on a border.
+    let step = |i: i32| round(-2.9 + 0.733 * f64::from(i));
+    let lattice = (0..512).map(|i| [i % 8, i / 8 % 8, i / 64].map(step).to_vec());
+    let inputs = (0..4096).map(|_| anywhere()).chain(lattice).collect();
+    let (set, case) = in_medium(density, bounds);
+    Case {
+        name,
+        call: "vec4f(optical_inside(media[0], a.xyz) * density_at(media[0], a.xyz), 0.0, 0.0, 0.0)".into(),
+        inputs,
+        limit,
+        twin: Box::new(move |row| (vec![set.media[0].density_at(DVec3::new(row[0], row[1], row[2]))], 1e-2)),
+        ..case
+    }
+}
+
+/// A medium of extinction 1, in f64 and as the shader takes it.
+fn in_medium(density: Density, bounds: Bounds) -> (MediumSet, Case) {
     let mut record = Medium { sigma_t: [1.0; 3], ..Medium::default() };
     let mut coefficients = Vec::new();
     let (kind, base, slope) = match &density {
@@ -265,6 +323,7 @@ fn optical_length(name: &'static str, density: Density, bounds: Bounds, limit: f
         }
         Density::Uniform => (0, 0.0, 0.0),
     };
+    record.planes = coefficients.len() as u32;
     let (shape, low, high) = match &bounds {
         Bounds::Box { min, max } => (1, *min, *max),
         Bounds::Sphere { centre, radius } => (2, *centre, DVec3::new(*radius, 0.0, 0.0)),
@@ -290,32 +349,7 @@ fn optical_length(name: &'static str, density: Density, bounds: Bounds, limit: f
     let variant = variant.with("BOUNDS_BOX", shape == 1 || shape == 4);
     let scatter = medium::Scatter { sigma_s: [1.0; 3], sigma_a: [0.0; 3] };
     let set = MediumSet { media: vec![medium::Medium { bounds, density, scatter, phase: Phase::Isotropic }] };
-    let mut inputs = rays();
-    if let Bounds::Mesh(mesh) = &set.media[0].bounds {
-        inputs.extend(through_edges(mesh));
-    }
-    // Level, upright and almost level rays.
-    for dir in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [1.0, 1e-6, 0.0], [1.0, -1e-4, 0.0]] {
-        inputs
-            .extend([0.01, 1.0, 50.0].map(|length| vec![0.25, 1.0, -0.5, length, dir[0], round(dir[1]), dir[2], 0.0]));
-    }
-    Case {
-        name,
-        variant,
-        roots: &["medium"],
-        call: "vec4f(optical_depth(ViewRay(a.xyz, b.xyz, a.w)), 0.0)".into(),
-        inputs,
-        limit,
-        twin: Box::new(move |row| {
-            let dir = DVec3::new(row[4], row[5], row[6]);
-            let ray = Ray::new(DVec3::new(row[0], row[1], row[2]), dir.normalize(), row[3]);
-            // Borders that a ray only touches move by the rounding of its places.
-            (vec![set.optical_depth(&ray)[0]], 1e-2)
-        }),
-        media: vec![record],
-        coefficients,
-        ..Case::default()
-    }
+    (set, Case { variant, roots: &["medium"], media: vec![record], coefficients, ..Case::default() })
 }
 
 /// A grid of noise, turned and longer one way than the others; the last rays' origins lie within.
