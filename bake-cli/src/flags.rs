@@ -23,7 +23,7 @@ pub struct SettingsFlags {
     /// Another standard error: 0.015 or 1.5%
     #[arg(long, value_name = "SHARE", help_heading = "Accuracy", value_parser = values::optional(values::share))]
     target_error: Option<Given<f32>>,
-    /// Exactly N samples per texel, whatever the error
+    /// N samples per texel, rounded up to a multiple of 8, whatever the error
     #[arg(long, value_name = "N", help_heading = "Accuracy", value_parser = values::optional(values::number::<u32>))]
     samples: Option<Given<u32>>,
     /// Follow at most N reflections; 0 is direct light only [default: none, unlimited]

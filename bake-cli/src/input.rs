@@ -1,4 +1,4 @@
-//! What `run` and `plan` work on: a scene file, and its settings from the side file and the flags.
+//! What `run`, `plan`, `reference` and `study` work on: a scene file, and its settings from the side file and the flags.
 
 use crate::exit::Failure;
 use crate::flags::SettingsFlags;

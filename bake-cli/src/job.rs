@@ -1,4 +1,4 @@
-//! What `run`, `plan` and `study` work on: a scene made ready, its errors told as the program tells them.
+//! What `run`, `plan` and `refog` work on: a scene made ready, its errors told as the program tells them.
 
 use crate::exit::Failure;
 use crate::input::Input;

@@ -6,6 +6,7 @@ use crate::report::Measured;
 use bake_core::fingerprint;
 use bake_core::package::{self as core_package, Bake, Record};
 use bake_core::plan::Plan;
+use bake_core::solve::PageReport;
 use bake_core::solve::buffers::PageBuffers;
 use bake_core::solve::points::LatticeLight;
 use bake_formats::FormatError;
@@ -29,6 +30,8 @@ pub struct Output {
 pub struct Pages<'a> {
     /// After post-processing.
     pub finished: &'a [PageBuffers],
+    /// How they went.
+    pub reports: &'a [PageReport],
     /// Before, when asked for.
     pub raw: Option<&'a [PageBuffers]>,
     /// Of the scene without air, when asked for.
@@ -81,9 +84,9 @@ impl Output {
         pages: Pages,
         paths: Option<NamedTempFile>,
     ) -> Result<PathBuf, Failure> {
-        let Pages { finished, raw, vacuum, probes, fog_volume } = pages;
+        let Pages { finished, reports, raw, vacuum, probes, fog_volume } = pages;
         let (scene, air, atlas) = (&job.scene, &job.air, &job.atlas);
-        let bake = Bake { scene, air, atlas, pages: finished, raw, vacuum, probes, fog_volume };
+        let bake = Bake { scene, air, atlas, pages: finished, reports, raw, vacuum, probes, fog_volume };
         let path = core_package::write_with(&self.folder, bake, &record(scene_file, job, plan)?, paths)?;
         self.made.0.clear();
         Ok(path)

@@ -46,34 +46,22 @@ pub fn text(name: &str, plan: &Plan) -> String {
         }
     }
     let cost = &plan.cost;
-    let [least, usual, most] = cost.samples;
-    line(
-        "samples",
-        if least == most {
-            format!("{most} per texel")
-        } else {
-            format!("{least} to {most} per texel, usually about {usual}")
-        },
-    );
-    let [least, usual, most] = cost.seconds.map(units::seconds);
-    line(
-        "time",
-        if least == most {
-            format!("{most} on {} threads, roughly", cost.threads)
-        } else {
-            format!("{least} to {most}, usually about {usual}, on {} threads, roughly", cost.threads)
-        },
-    );
+    line("samples", format!("{} per texel", range(cost.samples.map(|count| count.to_string()))));
+    line("time", format!("{} on {} threads, roughly", range(cost.seconds.map(units::seconds)), cost.threads));
     if let Some(kept) = &plan.kept_paths {
-        let [least, usual, most] = kept.bytes.map(units::bytes);
         let noise = match kept.noise {
             times if times > 1.0 => format!("with up to {} times the noise of a bake", number(times)),
             _ => "with no more noise than a bake".into(),
         };
-        line("paths", format!("{least} to {most}, usually about {usual}, kept for `bake refog`: {noise}"));
+        line("paths", format!("{} kept for `bake refog`: {noise}", range(kept.bytes.map(units::bytes))));
     }
     line("memory", format!("{}, roughly", units::bytes(cost.memory_bytes)));
     text
+}
+
+/// Least to most, with what is usual between them.
+fn range([least, usual, most]: [String; 3]) -> String {
+    if least == most { most } else { format!("{least} to {most} (usually about {usual})") }
 }
 
 /// What a mode is expected to leave of error.

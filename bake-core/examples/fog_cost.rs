@@ -1,5 +1,5 @@
 //! What fog adds to a bake: one scene baked in turns without air, with fog by `grid` and by `tables`, with and without rays on a
-//! surface's own plane, and by `walk`, at equal texel samples in one run. `fog_cost [SCENE [PAGE_SIZE [SAMPLES [TURNS]]]]`.
+//! surface's own plane, and by `walk`, at equal texel samples in one run. `fog_cost [SCENE [PAGE_SIZE [SAMPLES [TURNS [WAYS]]]]]`, ways by commas.
 //!
 //! Times are processor seconds of all threads, the least of all turns. `prepare` is what a scene takes once: the light grid,
 //! or the factors of tables. Cost at equal noise is error² × `trace`, as `prepare` does not grow with samples.
@@ -62,8 +62,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let sidecar = settings::sidecar(file);
     let of_scene = if sidecar.exists() { settings::read(&sidecar)? } else { Settings::default() };
     let settings = Settings { page_size, samples: Some(samples), max_pages: Some(1), ..of_scene };
+    let ways = arguments.get(4).map(|names| names.split(',').collect::<Vec<_>>());
+    let wanted = |name: &str| name == "no air" || ways.as_ref().is_none_or(|names| names.contains(&name));
     for air in AIRS {
-        measure(file, &settings, air, turns)?;
+        measure(file, &settings, air, turns, &wanted)?;
     }
     Ok(())
 }
@@ -73,6 +75,7 @@ fn measure(
     settings: &Settings,
     (name, air, albedo): (&str, Air, f64),
     turns: usize,
+    wanted: &dyn Fn(&str) -> bool,
 ) -> Result<(), Box<dyn Error>> {
     let job = Job::prepare(file, settings.clone(), &Silent)?;
     let [low, high] = job.scene.bounds();
@@ -89,13 +92,14 @@ fn measure(
         Ok::<_, Box<dyn Error>>(Way { name, plan, spent: Spent::NONE })
     };
     let own_plane = |on| [(EffectName::OwnPlane, on)];
-    let mut ways = [
+    let mut ways = vec![
         way("no air", &job, Mode::Auto, &[])?,
         way("auto", &foggy, Mode::Auto, &[])?,
         way("tables", &foggy, Mode::Tables, &own_plane(true))?,
-        way("tables, no own plane", &foggy, Mode::Tables, &own_plane(false))?,
+        way("tables without own plane", &foggy, Mode::Tables, &own_plane(false))?,
         way("walk", &foggy, Mode::Walk, &[])?,
     ];
+    ways.retain(|way| wanted(way.name));
     for _ in 0..turns {
         for way in &mut ways {
             let Spent { prepare, trace, error } = bake(&tracer, &foggy, &way.plan)?;
@@ -144,19 +148,22 @@ fn bake(tracer: &Tracer, job: &Job, plan: &Plan) -> Result<Spent, Box<dyn Error>
 }
 
 fn print(name: &str, sigma_t: f64, ways: &[Way]) {
-    let [vacuum, .., walk] = ways else { return };
+    let [vacuum, .., last] = ways else { return };
     println!("{name} ({sigma_t:.4} per metre)");
-    println!("  way                    prepare    trace  over no air    error  at equal noise over no air  over walk");
+    println!(
+        "  way                       prepare    trace  over no air    error  at equal noise over no air  over {}",
+        last.name
+    );
     for Way { name, plan, spent } in ways {
         let mode = plan.mode.as_ref().map_or("-", |choice| choice.mode.name());
         println!(
-            "  {name:21} {:7.2} s {:6.2} s {:10.2} x {:6.2} % {:24.2} x {:12.4} x  {mode}",
+            "  {name:24} {:7.2} s {:6.2} s {:10.2} x {:6.2} % {:24.2} x {:12.4} x  {mode}",
             spent.prepare,
             spent.trace,
             spent.trace / vacuum.spent.trace,
             100.0 * spent.error,
             spent.cost() / vacuum.spent.cost(),
-            spent.cost() / walk.spent.cost(),
+            spent.cost() / last.spent.cost(),
         );
     }
 }

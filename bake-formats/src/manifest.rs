@@ -232,7 +232,8 @@ impl ProbeGrid {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorEstimate {
-    /// Median over texels of the standard error of the total, relative to the page's median; the worst page.
+    /// Root mean square, over all texels of a page but the noisiest hundredth, of the standard error of the total over
+    /// max(texel, page's median), in luminance; the page with the largest.
     pub relative_standard_error: f32,
     /// Share of covered texels that could not be baked.
     pub unbaked_share: f32,

@@ -183,6 +183,7 @@ impl Errors {
         let (mut var_b, var_t) = (gather(&|i| bake[i].variance.clone()), gather(&|i| truth[i].variance.clone()));
         let valid: Vec<bool> =
             bake.iter().zip(truth).flat_map(|(b, t)| b.valid.iter().zip(&t.valid).map(|(b, t)| *b && *t)).collect();
+        let finite: Vec<bool> = b.iter().map(|light| light.is_finite()).collect();
         refuse_no_numbers(&mut b, &mut var_b, &t, &valid);
         let error = metrics::compare(&b, &t, &valid, Some(&var_t)).luminance;
         let at: Vec<usize> = (0..valid.len()).filter(|&i| valid[i]).collect();
@@ -198,14 +199,22 @@ impl Errors {
         let (noise, reference_error) = (relative(&dev_b), relative(&dev_t));
         let squares: f64 = dev_b.iter().chain(&dev_t).map(|deviation| deviation * deviation).sum();
         let rmse = error.relative_rmse;
-        let chance = 3.0 * (2.0 / at.len().max(1) as f64).sqrt();
+        let count = at.len().max(1) as f64;
+        let normal = (2.0 / count).sqrt() * (noise * noise + reference_error * reference_error);
+        // A few wild texels, as fireflies are, make the mean of squares wilder than normal noise does.
+        let least_level = metrics::FLOOR * levels.iter().sum::<f64>() / count;
+        let unexplained = (0..at.len()).filter(|&i| finite[at[i]]).map(|i| {
+            let off = [luminance(b[at[i]]) - levels[i], dev_b[i], dev_t[i]].map(|x| x / levels[i].max(least_level));
+            off[0] * off[0] - off[1] * off[1] - off[2] * off[2]
+        });
+        let wild = (spread(&unexplained.collect::<Vec<_>>()) / count).sqrt();
         Self {
             bias: error.bias,
             bias_error: squares.sqrt() / levels.iter().sum::<f64>().max(f64::MIN_POSITIVE),
             rmse,
             noise,
             floor: (rmse * rmse - noise * noise).max(0.0).sqrt(),
-            least_floor: (chance * (noise * noise + reference_error * reference_error)).sqrt(),
+            least_floor: (3.0 * normal.max(wild)).sqrt(),
             reference_error,
             texels: at.len(),
         }
@@ -220,6 +229,13 @@ impl Errors {
     pub fn has_floor(&self) -> bool {
         self.floor > self.least_floor
     }
+}
+
+/// Variance of values; 0 of none.
+fn spread(values: &[f64]) -> f64 {
+    let count = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count
 }
 
 /// Gives texels that are no finite numbers [`NO_NUMBER`] times the reference's mean, and no variance that could excuse it.
@@ -278,6 +294,16 @@ mod tests {
         // The same noise alone is no bias and has no floor.
         let honest = Errors::between(&[page(|i| if i.is_multiple_of(2) { 10.4 } else { 9.6 }, 0.4)], &truth);
         assert!(!honest.is_biased() && !honest.has_floor(), "{honest:?}");
+    }
+
+    /// Two fireflies that the bake's own variance missed are no floor; the same error in every tenth texel is one.
+    #[test]
+    fn a_few_wild_texels_are_chance() {
+        let truth = [page(|_| 10.0, 0.01)];
+        let wild = |every: usize| page(move |i| if i.is_multiple_of(every) { 14.0 } else { 10.0 }, 0.01);
+        let [few, many] = [500, 10].map(|every| Errors::between(&[wild(every)], &truth));
+        assert!(few.floor > 0.015 && !few.has_floor(), "{few:?}");
+        assert!(many.has_floor(), "{many:?}");
     }
 
     #[test]

@@ -119,6 +119,16 @@ fn a_study_without_air_tells_wrong_from_right_and_one_seed_from_another() {
     assert_eq!(numbers(&study.folder).len(), 2 * points);
 }
 
+/// A lone floor reflects nothing to itself: no setting that reflects too little is wrong there, and none is said to be.
+#[test]
+fn nothing_wrong_is_made_up_where_nothing_is_reflected() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let study = Study { file: scenes::folder().join("plane_point.glb"), ..study(folder.path(), None) };
+    let summary = whole(&study);
+    assert!(summary.controls.is_empty() && summary.controls_hold(), "{:?}", summary.controls);
+    assert!(summary.text().contains("nothing is reflected"), "{}", summary.text());
+}
+
 #[test]
 fn effects_left_out_go_on_where_they_were() {
     let folders = [0, 1].map(|_| tempfile::tempdir().expect("a folder"));

@@ -17,7 +17,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("bake-cli", &["bake-study", "bake-view", "bake-core", "tables", "bake-formats", "bake-optics"]),
     // For tests and for making scenes; no shipped crate may use them.
     ("testkit", &[]),
-    ("scenes", &["bake-formats", "bake-optics"]),
+    ("scenes", &[]),
     (
         "bake-tests",
         &["bake-cli", "bake-core", "bake-formats", "bake-optics", "bake-runtime", "scenes", "tables", "testkit"],

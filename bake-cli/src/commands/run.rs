@@ -111,7 +111,14 @@ pub fn publish(
     // Without air the bake is its own vacuum.
     let vacuum = job.settings.keep_vacuum.then(|| vacuum.as_deref().unwrap_or(&lightmap.pages));
     let (probes, fog_volume) = (probes.as_ref(), fog_volume.as_ref());
-    let pages = Pages { finished: &lightmap.pages, raw: raw.as_deref(), vacuum, probes, fog_volume };
+    let pages = Pages {
+        finished: &lightmap.pages,
+        reports: &lightmap.reports,
+        raw: raw.as_deref(),
+        vacuum,
+        probes,
+        fog_volume,
+    };
     let package = stopwatch.time("write", || output.write(scene_file, &job, plan, pages, paths))?;
     let mut measured = Measured::new(stopwatch, &lightmap, target);
     measured.unbaked_texels = hidden.texels;

@@ -1,3 +1,5 @@
+//! Air from settings, side files and glTF extras: what is resolved, and what is refused.
+
 use super::*;
 use crate::scene::{Environment, Light, LightKind, MediaExtras};
 use crate::settings::{Bounds, Medium as Record, Phase as PhaseRecord, Scatter as Look};

@@ -1,11 +1,11 @@
 //! The images of a page.
 
-use super::luminance;
 use crate::scene::Environment;
 use crate::solve::buffers::{PageBuffers, Validity};
 use crate::solve::points::LatticeLight;
 use crate::solve::visibility;
 use bake_formats::float_image::{FloatImage, Quantity};
+use bake_formats::metrics::luminance;
 use glam::{Vec2, Vec3};
 
 /// Total irradiance as R, G, B.
@@ -124,7 +124,7 @@ pub(super) fn thumbnail(page: &PageBuffers, side: u32) -> Vec<u8> {
 fn picture(page: &PageBuffers) -> (image::RgbImage, f32) {
     let totals = totals(page);
     let good = (0..totals.len()).filter(|&index| page.validity[index] == Validity::Good);
-    let mut levels: Vec<f32> = good.map(|index| luminance(totals[index])).collect();
+    let mut levels: Vec<f32> = good.map(|index| luminance(totals[index]) as f32).collect();
     levels.sort_unstable_by(f32::total_cmp);
     let white = levels.get(levels.len().saturating_sub(1) * 99 / 100).copied().filter(|&white| white > 0.0);
     let white = white.unwrap_or(1.0);

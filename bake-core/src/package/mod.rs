@@ -11,7 +11,8 @@ mod material;
 use crate::air::Air;
 use crate::atlas::Atlas;
 use crate::scene::{Environment, Scene};
-use crate::solve::buffers::{PageBuffers, Validity};
+use crate::solve::PageReport;
+use crate::solve::buffers::PageBuffers;
 use crate::solve::kept_size::FILE_SUFFIX;
 use crate::solve::lattice::Lattice;
 use crate::solve::points::LatticeLight;
@@ -36,6 +37,8 @@ pub struct Bake<'a> {
     pub atlas: &'a Atlas,
     /// One a page of the atlas, after post-processing.
     pub pages: &'a [PageBuffers],
+    /// How these went.
+    pub reports: &'a [PageReport],
     /// The same before post-processing, when they are to be kept.
     pub raw: Option<&'a [PageBuffers]>,
     /// Pages of the scene without air, after post-processing, when their total is to be kept.
@@ -92,7 +95,7 @@ pub fn write_with(folder: &Path, bake: Bake, record: &Record, paths: Option<Name
     manifest.terms = terms(bake.pages);
     manifest.environment =
         bake.scene.environment.as_ref().map(|e| write_environment(&mut writer, e, record.pixels)).transpose()?;
-    manifest.error_estimate = error_estimate(bake.pages);
+    manifest.error_estimate = error_estimate(bake.reports);
     manifest.reproducible = record.reproducible;
     manifest.plan = record.plan.clone();
     manifest.media = write_media(&mut writer, bake.air)?;
@@ -172,37 +175,14 @@ pub fn thumbnail(page: &PageBuffers, side: u32) -> Vec<u8> {
     images::thumbnail(page, side)
 }
 
-/// Rec.709 luminance of a linear colour (ITU-R BT.709-6, section 3.2).
-fn luminance(color: Vec3) -> f32 {
-    color.dot(Vec3::new(0.2126, 0.7152, 0.0722))
-}
-
-/// Median standard error over median irradiance, of the worst page; `None` where nothing was baked.
-fn error_estimate(pages: &[PageBuffers]) -> Option<ErrorEstimate> {
-    let (mut worst, mut covered, mut baked) = (0.0f32, 0usize, 0usize);
-    for page in pages {
-        let good: Vec<usize> = (0..page.validity.len()).filter(|&i| page.validity[i] == Validity::Good).collect();
-        let errors = good.iter().map(|&i| luminance(page.variance[i]).max(0.0).sqrt()).collect();
-        let irradiance = median(good.iter().map(|&i| luminance(page.total(i))).collect());
-        if irradiance > 0.0 {
-            worst = worst.max(median(errors) / irradiance);
-        }
-        baked += good.len();
-        covered += good.len() + page.validity.iter().filter(|&&state| state == Validity::Buried).count();
-    }
+/// The error of the page with the largest; `None` where no texel is covered.
+fn error_estimate(reports: &[PageReport]) -> Option<ErrorEstimate> {
+    let buried: u32 = reports.iter().map(|page| page.buried_texels).sum();
+    let covered = buried + reports.iter().map(|page| page.good_texels).sum::<u32>();
     (covered > 0).then(|| ErrorEstimate {
-        relative_standard_error: worst,
-        unbaked_share: (covered - baked) as f32 / covered as f32,
+        relative_standard_error: reports.iter().map(|page| page.error).fold(0.0, f32::max),
+        unbaked_share: buried as f32 / covered as f32,
     })
-}
-
-/// The upper median; 0 of nothing.
-fn median(mut values: Vec<f32>) -> f32 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
 #[cfg(test)]

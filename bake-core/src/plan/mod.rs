@@ -18,7 +18,7 @@ use crate::air::{self, Air};
 use crate::atlas::Atlas;
 use crate::scene::Scene;
 use crate::settings::{EffectName, Settings, SettingsError};
-use crate::solve::{LightmapSettings, Mode, kept_size, pilot};
+use crate::solve::{LightmapSettings, Mode, kept_size, pilot, rounds};
 use crate::trace::Tracer;
 use budget::Budget;
 use glam::Vec3;
@@ -183,7 +183,7 @@ fn kept_paths(
     has_air: bool,
     escaping: f64,
 ) -> Result<Option<KeptPaths>, SettingsError> {
-    let bytes = cost.samples.map(|count| kept_size::bytes(u64::from(count), texels));
+    let bytes = cost.samples.map(|count| kept_size::bytes(count, texels, escaping));
     if settings.keep_paths && bytes[1] > kept_size::MOST_BYTES {
         let way_out = "lower `texels_per_m`, `samples` or the quality";
         return Err(SettingsError::TooLarge {
@@ -237,7 +237,7 @@ fn cost(scene: &Scene, settings: &Settings, atlas: &Atlas, texels: usize, thread
     let solver = settings.lightmap_settings();
     let (floor, cap) = (solver.min_samples, solver.max_samples);
     let usual = (solver.target_error.powi(-2) as u32).clamp(floor, cap);
-    let samples = [floor, usual, cap];
+    let samples = [floor, usual, cap].map(rounds::whole);
     let vertices = settings.bounces.map_or(USUAL_VERTICES, |bounces| (f64::from(bounces) + 1.0).min(USUAL_VERTICES));
     let rays = samples.map(|count| f64::from(count) * texels as f64 * vertices * RAYS_PER_VERTEX);
     let seconds = rays.map(|rays| rays / (RAYS_PER_SECOND * threads.max(1) as f64));

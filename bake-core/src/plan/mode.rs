@@ -41,7 +41,7 @@ impl Choice {
             }
             settings::Mode::Tables => (Mode::Tables, "as set".into()),
             settings::Mode::Paper => {
-                (Mode::Paper, "as set: the published method, too bright in closed rooms by 8 to 124 %".into())
+                (Mode::Paper, "as set: the published method, which can be twice too bright in closed rooms".into())
             }
             settings::Mode::Auto => automatic(&situation, cells),
         };

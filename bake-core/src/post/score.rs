@@ -3,6 +3,7 @@
 use super::seams::{self, Seam};
 use crate::atlas::{Atlas, Bilinear};
 use crate::solve::buffers::PageBuffers;
+use bake_formats::metrics::luminance;
 use glam::Vec3;
 
 /// Relative difference of the total irradiance's luminance across seams.
@@ -45,9 +46,4 @@ pub fn seam_score(seams: &[Seam], atlas: &Atlas, pages: &[PageBuffers]) -> SeamS
 
 fn total(pages: &[PageBuffers], (page, lookup): &(u32, Bilinear)) -> Vec3 {
     lookup.used().map(|(texel, weight)| pages[*page as usize].total(texel) * weight).sum()
-}
-
-/// Luminance of linear Rec.709.
-fn luminance(c: Vec3) -> f64 {
-    c.as_dvec3().dot(glam::DVec3::new(0.2126, 0.7152, 0.0722))
 }

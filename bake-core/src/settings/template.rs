@@ -2,13 +2,13 @@
 
 /// A settings file that states every default, explained.
 pub const TEMPLATE: &str = r#"// Settings of a bake. Every value here is the default: delete what you do not change.
-// Every key `a_b` is also a flag `--a-b` of `bake run` and `bake plan`; the flag wins.
+// Every key `a_b` is also a flag `--a-b` of `bake run` and `bake plan`, `media` is `--fog`; the flag wins.
 // File names are relative to this file. Units: metres, degrees, seconds; light in cd, lux and cd/m².
 Bake(
     // Accuracy
     quality: Medium,        // Preview, Medium, High, Final: standard error 10, 4, 2, 1 % of the page's median
     target_error: None,     // another standard error, as a share: 0.015
-    samples: None,          // exactly so many samples per texel, whatever the error
+    samples: None,          // so many samples per texel, rounded up to a multiple of 8, whatever the error
     bounces: None,          // None: unlimited; 0: direct light only
     seed: 0,
     time_budget: None,      // seconds after which sampling ends; such bakes do not repeat bit for bit
@@ -34,10 +34,10 @@ Bake(
     // Effects
     tolerance: 0.001,       // what provably adds less than this share of the median irradiance is left out; 0: nothing is
     force_effect: {},       // {Multiple: false, Colour: true}: off or on whatever the plan would choose; also Attenuation, Absorption,
-                            // Scattering, Anisotropy, Heterogeneity, Indirect, Environment
+                            // Scattering, Anisotropy, Heterogeneity, OwnPlane, Indirect, Environment
 
     // Air
-    mode: Auto,             // how light in the air is solved: Walk (unbiased, slow), Grid (fast), Tables (fastest in rooms), Paper (published, biased); Auto: the plan chooses
+    mode: Auto,             // how light in the air is solved: Walk (unbiased, slow), Grid (fast), Tables (for keep_paths), Paper (published, biased); Auto: the plan chooses
     media: None,            // [Medium(bounds: Scene, scatter: Look(mean_free_path_m: 20, albedo: (0.9, 0.9, 0.9)), phase: HenyeyGreenstein(0.3))]
     probes: None,           // Probes(spacing_m: 1.0): over the scene; with bounds: Box(min: (0, 0, 0), max: (4, 3, 4)) over a box;
                             // with origin: (0.5, 0.5, 0.5), count: (4, 3, 4) exactly there; with points: [(0.5, 1.6, 2), (3, 1.6, 2)]

@@ -38,7 +38,9 @@ pub fn noise(has_air: bool, escaping: f64) -> f64 {
     }
 }
 
-/// Bytes on disk of so many samples for each of so many texels, about; of closed scenes down to a quarter of it.
-pub fn bytes(samples: u64, texels: usize) -> u64 {
-    (samples.div_ceil(THINNING[0].into()) * BYTES_PER_PATH + BYTES_PER_TEXEL) * texels as u64
+/// Bytes on disk of so many samples for each of so many texels, about. Each sequence keeps one path at least.
+pub fn bytes(samples: u32, texels: usize, escaping: f64) -> u64 {
+    let thinning = THINNING[usize::from(escaping == 0.0)];
+    let paths = samples.div_ceil(REPLICATES as u32).div_ceil(thinning) * REPLICATES as u32;
+    (u64::from(paths) * BYTES_PER_PATH + BYTES_PER_TEXEL) * texels as u64
 }

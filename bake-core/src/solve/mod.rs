@@ -26,7 +26,7 @@ mod octahedron;
 pub mod path;
 pub mod pilot;
 pub mod points;
-mod rounds;
+pub(crate) mod rounds;
 pub mod sampler;
 pub mod sphere;
 #[cfg(feature = "media")]

@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 
 /// Place in [−1, 1]² of a direction, which need not be of unit length.
+#[cfg(any(test, feature = "media"))]
 pub fn fold(dir: Vec3) -> Vec2 {
     let p = Vec2::new(dir.x, dir.y) / dir.abs().element_sum().max(f32::MIN_POSITIVE);
     if dir.z >= 0.0 { p } else { mirrored(p) }

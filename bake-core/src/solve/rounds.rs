@@ -8,6 +8,16 @@ use std::time::{Duration, Instant};
 /// Samples of a first round whose pace is not known yet, under a deadline.
 const FIRST_SAMPLES: u32 = 8;
 
+/// Samples of each replicate where so many are asked for.
+fn per_replicate(samples: u32) -> u32 {
+    samples.div_ceil(REPLICATES as u32).clamp(1, MAX_SAMPLES)
+}
+
+/// Samples that are taken where so many are asked for: as many of each replicate.
+pub(crate) fn whole(samples: u32) -> u32 {
+    per_replicate(samples) * REPLICATES as u32
+}
+
 /// Samples per replicate, round by round: as many more as the error asks for, at most four times as many.
 pub(super) struct Rounds {
     done: u32,
@@ -23,7 +33,6 @@ pub(super) struct Rounds {
 impl Rounds {
     /// The first of them; `deadline` is that of this page or lattice alone.
     pub(super) fn new(settings: &LightmapSettings, deadline: Option<Instant>) -> Self {
-        let per_replicate = |samples: u32| samples.div_ceil(REPLICATES as u32).clamp(1, MAX_SAMPLES);
         let first = if deadline.is_some() { FIRST_SAMPLES } else { settings.min_samples };
         let (floor, cap) = (per_replicate(first.min(settings.min_samples)), per_replicate(settings.max_samples));
         let next = floor.min(cap);

@@ -84,6 +84,7 @@ impl<M: Media> Paths<'_, '_, M> {
     }
 
     /// The same but for what emitters are drawn for: their straight light, and that of lamps scattered once.
+    #[cfg(feature = "media")]
     pub(super) fn reflected_sphere(&self, point: Vec3, sampler: &mut Sampler, counters: &Counters) -> Incident {
         let (mut incident, mut air) = (Incident::default(), sampler.fork());
         self.follow_any(point, (sampler, &mut air), counters, &mut incident);

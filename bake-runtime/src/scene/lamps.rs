@@ -2,10 +2,11 @@
 //! methods draw it themselves, sharply.
 
 use bake_formats::manifest::{LightKind, LightRecord, ProfileRecord};
+use bake_formats::metrics::luminance;
 use bake_optics::emitter::Emitter;
 use bake_optics::harmonics::real_sh;
 use bake_optics::medium::{MediumSet, Ray};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 
 use super::LatticeData;
 
@@ -27,10 +28,9 @@ pub(super) fn take_out(lattice: &mut LatticeData, places: &[Vec3], lights: &[Lig
             let Some((dir, irradiance)) = arriving(light, place.as_dvec3(), media) else { continue };
             let pattern = real_sh(dir.to_array(), bands);
             let own: f64 = pattern.iter().map(|y| y * y).sum();
-            let luminance = |rgb: [f64; 3]| 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-            let stored = |k: usize| luminance([0, 1, 2].map(|c| lattice.harmonics[k][at][c].into()));
+            let stored = |k: usize| luminance(Vec4::from(lattice.harmonics[k][at]).truncate());
             let there: f64 = pattern.iter().enumerate().map(|(k, y)| stored(k) * y).sum();
-            if there < SEEN * luminance(irradiance) * own {
+            if there < SEEN * luminance(DVec3::from(irradiance).as_vec3()) * own {
                 continue;
             }
             for (harmonic, y) in lattice.harmonics.iter_mut().zip(&pattern) {

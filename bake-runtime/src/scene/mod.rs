@@ -15,6 +15,7 @@ use bake_formats::Package;
 use bake_formats::baked_scene::{BakedScene, Geometry, Node};
 use bake_formats::glb::document as gltf;
 use bake_formats::manifest::{EnvironmentRecord, LightRecord};
+use bake_formats::metrics::luminance;
 use bake_optics::medium::Medium;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -192,7 +193,7 @@ impl SceneData {
     /// A brightness that the scene's surfaces have: the 90th percentile of irradiance/π, cd/m²; 1 in a dark scene.
     pub fn typical_radiance(&self) -> f32 {
         let texels = self.pages.iter().flat_map(|page| &page.irradiance);
-        let mut levels: Vec<f32> = texels.map(|e| (0.2126 * e[0] + 0.7152 * e[1] + 0.0722 * e[2]).max(0.0)).collect();
+        let mut levels: Vec<f32> = texels.map(|e| (luminance(Vec3::from(*e)) as f32).max(0.0)).collect();
         levels.retain(|level| *level > 0.0);
         if levels.is_empty() {
             return 1.0;

@@ -1,3 +1,5 @@
+//! Density grids of every kind of file: values, places, and what is refused.
+
 use super::*;
 use crate::settings::Values;
 use ::exr::prelude as ex;
