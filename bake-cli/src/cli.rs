@@ -3,10 +3,10 @@
 //! A flag has one place that holds its name, help, default and unit: here when every command takes it, otherwise in
 //! the `Args` of its command's file.
 
-use crate::commands::{self, later};
-use crate::exit::{self, Failure};
+use crate::commands;
+use crate::exit;
 use crate::progress::ProgressMode;
-use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::error::ErrorKind;
 use clap::{ArgAction, Args, Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -85,49 +85,13 @@ pub enum Command {
     View(Box<commands::view::Args>),
 }
 
-/// The command line did not lead to a command.
-pub enum Usage {
-    /// Help and version that were asked for, and faults that clap reports.
-    Clap(clap::Error),
-    /// A command of a later version.
-    Later(Failure),
-}
-
-/// Reads the process's command line.
-pub fn parse() -> Result<Cli, Usage> {
-    Cli::try_parse().map_err(|error| match later_name(&error) {
-        Some(name) => Usage::Later(later::refuse(&format!("`{name}`"))),
-        None => Usage::Clap(error),
-    })
-}
-
-/// The command or flag that is planned but not built, if that is what clap refused.
-fn later_name(error: &clap::Error) -> Option<String> {
-    let (context, names) = match error.kind() {
-        ErrorKind::InvalidSubcommand => (ContextKind::InvalidSubcommand, later::COMMANDS),
-        ErrorKind::UnknownArgument => (ContextKind::InvalidArg, later::FLAGS),
-        _ => return None,
-    };
-    match error.get(context) {
-        Some(ContextValue::String(name)) => names.contains(&name.as_str()).then(|| name.clone()),
-        _ => None,
-    }
-}
-
-impl Usage {
-    /// Prints it and gives the exit code: 0 for help and version that were asked for, else 2.
-    pub fn conclude(self) -> ExitCode {
-        match self {
-            Self::Later(failure) => exit::report(&failure),
-            Self::Clap(error) => {
-                // A closed standard output is no failure.
-                let _ = error.print();
-                match error.kind() {
-                    ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => ExitCode::SUCCESS,
-                    _ => ExitCode::from(exit::INVALID),
-                }
-            }
-        }
+/// Prints what clap has to say, and gives the exit code: 0 for help and version that were asked for, else 2.
+pub fn conclude(error: &clap::Error) -> ExitCode {
+    // A closed standard output is no failure.
+    let _ = error.print();
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => ExitCode::SUCCESS,
+        _ => ExitCode::from(exit::INVALID),
     }
 }
 

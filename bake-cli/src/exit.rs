@@ -62,15 +62,25 @@ impl Failure {
         Self::wrong(format!("cannot read {}: {error}", path.display()), "check the path and its permissions")
     }
 
-    /// A file or folder that cannot be written.
-    pub fn unwritable(path: &Path, error: std::io::Error) -> Self {
-        let text = format!("cannot write {}: {error}", path.display());
-        let help = match error.kind() {
-            io::ErrorKind::PermissionDenied => "choose another place with `-o`, or check the folder's permissions",
-            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "make room, or choose another disk with `-o`",
-            _ => "choose another place with `-o`",
+    /// A file or folder that cannot be written, and that `-o` moves.
+    pub fn unwritable(path: &Path, error: io::Error) -> Self {
+        Self::unwritable_so(path, error, "choose another place with `-o`")
+    }
+
+    /// A file or folder that cannot be written, with the way to another place.
+    pub fn unwritable_so(path: &Path, error: io::Error, way_out: &str) -> Self {
+        use io::ErrorKind::{AlreadyExists, NotADirectory, NotFound, PermissionDenied, QuotaExceeded, StorageFull};
+        let (reason, help) = match error.kind() {
+            NotFound => ("its folder does not exist".to_owned(), format!("make the folder, or {way_out}")),
+            AlreadyExists | NotADirectory => {
+                (format!("a file stands where a folder belongs ({error})"), way_out.into())
+            }
+            PermissionDenied => (error.to_string(), format!("{way_out}, or check the folder's permissions")),
+            StorageFull | QuotaExceeded => (error.to_string(), format!("make room, or {way_out}")),
+            _ => (error.to_string(), way_out.into()),
         };
-        Self::Failed(Message { text, help: Some(help.into()), cause: None }.into())
+        let text = format!("cannot write {}: {reason}", path.display());
+        Self::Failed(Message { text, help: Some(help), cause: None }.into())
     }
 
     /// Its exit code.
@@ -181,7 +191,7 @@ pub fn conclude(result: Result<Outcome, Failure>, global: &Global) -> ExitCode {
 }
 
 /// Prints a failure on standard error and gives its exit code.
-pub fn report(failure: &Failure) -> ExitCode {
+fn report(failure: &Failure) -> ExitCode {
     match failure {
         Failure::Failed(report) | Failure::Invalid(report) => console::tell(&format!("{report:?}")),
         Failure::Interrupted => console::tell("interrupted; nothing was written"),

@@ -9,10 +9,31 @@ use bake_core::settings::{
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
 
-/// The flags that the help leaves out to fit a screen; the file that `bake init` writes explains them.
-pub const RARE: &str = "\
-More: --scene, --padding, --nodes, --bake-instanced, --light-scale, --light-radius-m, --unlit, --probes, --fog-volume,
---keep-vacuum, --tolerance, --force-effect, --half, --keep-paths, --keep-raw. `bake init SCENE` explains them all.";
+/// The flags that the help leaves out to fit a screen.
+const RARE: [&str; 15] = [
+    "--scene",
+    "--padding",
+    "--nodes",
+    "--bake-instanced",
+    "--light-scale",
+    "--light-radius-m",
+    "--unlit",
+    "--probes",
+    "--fog-volume",
+    "--keep-vacuum",
+    "--tolerance",
+    "--force-effect",
+    "--half",
+    "--keep-paths",
+    "--keep-raw",
+];
+
+/// Names them below a command's help, but for those that the command has no use for.
+pub fn rare(unused: &[&str]) -> String {
+    let names: Vec<_> = RARE.into_iter().filter(|name| !unused.contains(name)).collect();
+    let lines: Vec<_> = names.chunks(8).map(|names| names.join(", ")).collect();
+    format!("More: {}. `bake init SCENE` explains them all.", lines.join(",\n"))
+}
 
 /// The flags.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -24,29 +45,29 @@ pub struct SettingsFlags {
     #[arg(long, value_name = "SHARE", help_heading = "Accuracy", value_parser = values::optional(values::share))]
     target_error: Option<Given<f32>>,
     /// N samples per texel, rounded up to a multiple of 8, whatever the error
-    #[arg(long, value_name = "N", help_heading = "Accuracy", value_parser = values::optional(values::number::<u32>))]
+    #[arg(long, value_name = "N", help_heading = "Accuracy", value_parser = values::optional(values::plain::<u32>))]
     samples: Option<Given<u32>>,
     /// Follow at most N reflections; 0 is direct light only [default: none, unlimited]
-    #[arg(long, value_name = "N", help_heading = "Accuracy", value_parser = values::optional(values::number::<u32>))]
+    #[arg(long, value_name = "N", help_heading = "Accuracy", value_parser = values::optional(values::plain::<u32>))]
     bounces: Option<Given<u32>>,
     /// Seed of all random numbers [default: 0]
-    #[arg(long, value_name = "N", help_heading = "Accuracy")]
+    #[arg(long, value_name = "N", help_heading = "Accuracy", value_parser = values::plain::<u32>)]
     seed: Option<u32>,
     /// Stop sampling after this time: 90, 90s, 10m, 2h; such bakes do not repeat bit for bit
     #[arg(long, value_name = "TIME", help_heading = "Accuracy", value_parser = values::optional(values::seconds))]
     time_budget: Option<Given<f64>>,
 
     /// Texels per metre of surface [default: 16]
-    #[arg(long, value_name = "N", help_heading = "Atlas")]
+    #[arg(long, value_name = "N", help_heading = "Atlas", value_parser = values::plain::<f32>)]
     texels_per_m: Option<f32>,
     /// Width and height of a page, texels [default: 1024]
-    #[arg(long, value_name = "N", help_heading = "Atlas")]
+    #[arg(long, value_name = "N", help_heading = "Atlas", value_parser = values::plain::<u32>)]
     page_size: Option<u32>,
     /// Scale the density down until all fits on N pages [default: none]
-    #[arg(long, value_name = "N", help_heading = "Atlas", value_parser = values::optional(values::number::<u32>))]
+    #[arg(long, value_name = "N", help_heading = "Atlas", value_parser = values::optional(values::plain::<u32>))]
     max_pages: Option<Given<u32>>,
     /// Texels between charts [default: 2]
-    #[arg(hide = true, long, value_name = "N", help_heading = "Atlas")]
+    #[arg(hide = true, long, value_name = "N", help_heading = "Atlas", value_parser = values::plain::<u32>)]
     padding: Option<u32>,
     /// Settings of one node and all below it: NAME:texels_per_m=64 or NAME:lightmap=false; may be repeated
     #[arg(hide = true, long, value_name = "NODE:RECORD", help_heading = "Atlas", value_parser = values::node)]
@@ -71,10 +92,10 @@ pub struct SettingsFlags {
     #[arg(long, value_name = "UNIT", help_heading = "Light", value_parser = one_of(LightUnits::ALL), hide_possible_values = true)]
     light_units: Option<LightUnits>,
     /// Factor on the file's lights [default: 1]
-    #[arg(hide = true, long, value_name = "X", help_heading = "Light")]
+    #[arg(hide = true, long, value_name = "X", help_heading = "Light", value_parser = values::plain::<f32>)]
     light_scale: Option<f32>,
     /// Smallest radius of point and spot lights, metres [default: 0.001]
-    #[arg(hide = true, long, value_name = "M", help_heading = "Light")]
+    #[arg(hide = true, long, value_name = "M", help_heading = "Light", value_parser = values::plain::<f32>)]
     light_radius_m: Option<f32>,
     /// IES profile of a light's node; may be repeated
     #[arg(long, value_name = "NODE=FILE", help_heading = "Light", value_parser = values::ies)]
@@ -92,7 +113,7 @@ pub struct SettingsFlags {
     #[arg(long, value_name = "MODE", help_heading = "Air", value_parser = one_of(Mode::ALL), hide_possible_values = true)]
     pub mode: Option<Mode>,
     /// Air: sigma_t=0.5,albedo=0.9[,g=0.3,bounds=x0:y0:z0:x1:y1:z1], channels as 0.5/0.4/0.3; none
-    #[arg(long = "fog", value_name = "RECORD", help_heading = "Light", value_parser = values::optional(values::fog))]
+    #[arg(long = "fog", value_name = "RECORD", help_heading = "Air", value_parser = values::optional(values::fog))]
     media: Option<Given<Vec<Medium>>>,
 
     /// Probes: metres apart, or spacing_m=1[,bounds=x0:y0:z0:x1:y1:z1] or spacing_m=1,origin=x:y:z,count=x:y:z or
@@ -100,7 +121,7 @@ pub struct SettingsFlags {
     #[arg(hide = true, long, value_name = "M", value_parser = values::optional(values::probes))]
     probes: Option<Given<Probes>>,
     /// Light at cells around the air, at most so many metres wide; 1/32 of the longest side without a number
-    #[arg(hide = true, long, value_name = "M", num_args = 0..=1, default_missing_value = "", value_parser = values::optional(values::fog_volume))]
+    #[arg(hide = true, long, value_name = "M", num_args = 0..=1, require_equals = true, default_missing_value = "", value_parser = values::optional(values::fog_volume))]
     fog_volume: Option<Given<FogVolume>>,
     /// Also the total without air, beside the terms
     #[arg(hide = true, long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true", require_equals = true, hide_possible_values = true)]
@@ -236,7 +257,7 @@ mod tests {
         ("mode", "--mode walk"),
         ("media", "--fog sigma_t=0.5,albedo=0.9"),
         ("probes", "--probes 2"),
-        ("fog_volume", "--fog-volume"),
+        ("fog_volume", "--fog-volume=0.5"),
         ("keep_vacuum", "--keep-vacuum"),
         ("sh1", "--sh1"),
         ("half", "--half"),
@@ -288,9 +309,10 @@ mod tests {
         let hidden: Vec<_> = command.get_arguments().filter(|argument| argument.is_hide_set()).collect();
         for argument in &hidden {
             let name = format!("--{}", argument.get_long().expect("every setting has a long flag"));
-            assert!(RARE.contains(&format!("{name},")) || RARE.contains(&format!("{name}.")), "{name}");
+            assert!(RARE.contains(&name.as_str()), "{name}");
         }
-        assert_eq!(RARE.matches("--").count(), hidden.len());
+        assert_eq!(RARE.len(), hidden.len());
+        assert!(!rare(&["--half"]).contains("--half") && rare(&["--half"]).contains("--keep-raw. "));
     }
 
     /// The defaults that the help states are those of the settings.

@@ -23,11 +23,12 @@ mod report;
 mod units;
 mod values;
 
+use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match cli::parse() {
+    match cli::Cli::try_parse() {
         Ok(cli) => exit::conclude(commands::dispatch(&cli), &cli.global),
-        Err(usage) => usage.conclude(),
+        Err(error) => cli::conclude(&error),
     }
 }

@@ -61,7 +61,7 @@ impl Output {
         let made = MadeFolder(missing.map(Path::to_owned).collect());
         // A writer that is dropped leaves nothing behind; the package's own comes when there is something to write.
         drop(PackageWriter::create(folder, name)?);
-        tempfile::tempfile_in(folder).map_err(|error| Failure::unwritable(folder, error))?;
+        drop(package::scratch(folder)?);
         Ok(Self { folder: folder.to_owned(), made })
     }
 
@@ -122,12 +122,20 @@ pub fn write_beside(manifest: &Path, suffix: &str, bytes: &[u8]) -> Result<(), F
     Ok(write_atomic(&path, |out| out.write_all(bytes))?)
 }
 
+/// Writes a file that `-o` does not move, with the way to another place.
+pub fn write_so(path: &Path, bytes: &[u8], way_out: &str) -> Result<(), Failure> {
+    write_atomic(path, |out| out.write_all(bytes)).map_err(|error| match error {
+        FormatError::Io { path, source, .. } => Failure::unwritable_so(&path, source, way_out),
+        other => other.into(),
+    })
+}
+
 impl From<FormatError> for Failure {
     fn from(error: FormatError) -> Self {
         match error {
+            FormatError::Io { action: "read", path, source } => Self::unreadable(&path, &source),
             FormatError::Io { path, source, .. } => Self::unwritable(&path, source),
-            FormatError::FolderTaken { .. } => Self::invalid(error),
-            other => Self::failed(other),
+            other => Self::invalid(other),
         }
     }
 }

@@ -3,7 +3,7 @@
 use bake_core::settings::{
     Bounds, Density, EffectName, Env, FogVolume, Medium, Node, Phase, Probes, Rgb, Scatter, Sun, Unlit, suggest,
 };
-use std::fmt::Display;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -29,17 +29,45 @@ pub fn text(text: &str) -> Result<String, String> {
     Ok(text.to_owned())
 }
 
-/// A number.
-pub fn number<T: FromStr<Err: Display>>(text: &str) -> Result<T, String> {
-    text.trim().parse().map_err(|error| format!("`{text}`: {error}"))
+/// A value without parts.
+pub trait Plain: FromStr {
+    /// What its text looks like.
+    const FORM: &'static str;
+}
+
+impl Plain for f32 {
+    const FORM: &'static str = "a number like 0.5";
+}
+
+impl Plain for f64 {
+    const FORM: &'static str = f32::FORM;
+}
+
+impl Plain for u32 {
+    const FORM: &'static str = "a whole number like 16, from 0 to 4294967295";
+}
+
+impl Plain for bool {
+    const FORM: &'static str = "true or false";
+}
+
+/// A plain value.
+pub fn plain<T: Plain>(text: &str) -> Result<T, String> {
+    text.trim().parse().map_err(|_| not(text, T::FORM))
+}
+
+/// The refusal of a text that has not the form that belongs here.
+fn not(text: &str, form: &str) -> String {
+    format!("`{text}` is not {form}")
 }
 
 /// A share: `0.015` or `1.5%`.
 pub fn share(text: &str) -> Result<f32, String> {
-    match text.strip_suffix('%') {
-        Some(percent) => Ok(number::<f32>(percent)? / 100.0),
-        None => number(text),
-    }
+    let share = match text.strip_suffix('%') {
+        Some(percent) => plain(percent).map(|percent: f32| percent / 100.0),
+        None => plain(text),
+    };
+    share.map_err(|_| not(text, "a share like 0.015 or 1.5%"))
 }
 
 /// `EFFECT=on` or `EFFECT=off`.
@@ -58,19 +86,20 @@ pub fn forced(text: &str) -> Result<(EffectName, bool), String> {
 /// A duration in seconds, or with a unit: `90`, `90s`, `10m`, `2h`.
 pub fn seconds(text: &str) -> Result<f64, String> {
     let units = [("s", 1.0), ("m", 60.0), ("h", 3600.0)];
-    match units.iter().find_map(|(unit, factor)| Some((text.strip_suffix(unit)?, factor))) {
-        Some((value, factor)) => Ok(number::<f64>(value)? * factor),
-        None => number(text),
-    }
+    let seconds = match units.iter().find_map(|(unit, factor)| Some((text.strip_suffix(unit)?, factor))) {
+        Some((value, factor)) => plain(value).map(|value: f64| value * factor),
+        None => plain(text),
+    };
+    seconds.map_err(|_| not(text, "a time like 90, 90s, 10m or 2h"))
 }
 
 /// A colour: one value for all channels, or three divided by `/` (or `,`).
 pub fn rgb(text: &str) -> Result<Rgb, String> {
-    let channels: Vec<f32> = text.split(['/', ',']).map(number).collect::<Result<_, _>>()?;
+    let channels: Vec<f32> = text.split(['/', ',']).map(plain).collect::<Result<_, _>>().unwrap_or_default();
     match *channels {
         [value] => Ok([value; 3]),
         [r, g, b] => Ok([r, g, b]),
-        _ => Err(format!("`{text}` has {} channels; write one value, or three as 0.5/0.4/0.3", channels.len())),
+        _ => Err(not(text, "one value for all channels, like 0.5, or three, like 0.5/0.4/0.3")),
     }
 }
 
@@ -97,11 +126,11 @@ pub fn sun(text: &str) -> Result<Sun, String> {
     let (mut colour, mut diameter) = ([1.0; 3], Sun::SOLAR_DIAMETER_DEG);
     for (key, value) in pairs(text, &["azimuth_deg", "elevation_deg", "lux", "colour", "angular_diameter_deg"])? {
         match key {
-            "azimuth_deg" => azimuth = Some(number(value)?),
-            "elevation_deg" => elevation = Some(number(value)?),
-            "lux" => lux = Some(number(value)?),
+            "azimuth_deg" => azimuth = Some(plain(value)?),
+            "elevation_deg" => elevation = Some(plain(value)?),
+            "lux" => lux = Some(plain(value)?),
             "colour" => colour = rgb(value)?,
-            _ => diameter = number(value)?,
+            _ => diameter = plain(value)?,
         }
     }
     Ok(Sun {
@@ -121,8 +150,8 @@ pub fn env(text: &str) -> Result<Env, String> {
     if !rest.is_empty() {
         for (key, value) in pairs(rest, &["rotation_deg", "scale"])? {
             match key {
-                "rotation_deg" => env.rotation_deg = number(value)?,
-                _ => env.scale = number(value)?,
+                "rotation_deg" => env.rotation_deg = plain(value)?,
+                _ => env.scale = plain(value)?,
             }
         }
     }
@@ -142,7 +171,7 @@ pub fn unlit(text: &str) -> Result<Unlit, String> {
     match (text, text.strip_prefix("emit=")) {
         ("black", _) => Ok(Unlit::Black),
         ("reflect", _) => Ok(Unlit::Reflect),
-        (_, Some(radiance)) => number(radiance).map(Unlit::Emit),
+        (_, Some(radiance)) => plain(radiance).map(Unlit::Emit),
         _ => Err("known are black, reflect, emit=CD_PER_M2".into()),
     }
 }
@@ -153,8 +182,8 @@ pub fn node(text: &str) -> Result<(String, Node), String> {
     let mut node = Node::default();
     for (key, value) in pairs(rest, &["texels_per_m", "lightmap"])? {
         match key {
-            "texels_per_m" => node.texels_per_m = Some(number(value)?),
-            _ => node.lightmap = Some(number(value)?),
+            "texels_per_m" => node.texels_per_m = Some(plain(value)?),
+            _ => node.lightmap = Some(plain(value)?),
         }
     }
     Ok((name.to_owned(), node))
@@ -165,16 +194,18 @@ pub fn node(text: &str) -> Result<(String, Node), String> {
 pub fn probes(text: &str) -> Result<Probes, String> {
     let mut probes = Probes::default();
     if !text.contains('=') {
-        return Ok(Probes { spacing_m: number(text)?, ..probes });
+        let spacing_m = plain(text)
+            .map_err(|_| not(text, "a distance in metres, like 0.5, or a record like spacing_m=0.5,visibility=true"))?;
+        return Ok(Probes { spacing_m, ..probes });
     }
     for (key, value) in pairs(text, &["spacing_m", "bounds", "origin", "count", "points", "visibility"])? {
         match key {
-            "spacing_m" => probes.spacing_m = number(value)?,
+            "spacing_m" => probes.spacing_m = plain(value)?,
             "bounds" => probes.bounds = corners(value)?,
             "origin" => probes.origin = Some(triple(value)?),
             "count" => probes.count = Some(triple(value)?),
             "points" => probes.points = value.split('/').map(triple).collect::<Result<_, _>>()?,
-            _ => probes.visibility = number(value)?,
+            _ => probes.visibility = plain(value)?,
         }
     }
     Ok(probes)
@@ -182,13 +213,13 @@ pub fn probes(text: &str) -> Result<Probes, String> {
 
 /// Size of the cells of a fog volume, metres.
 pub fn fog_volume(text: &str) -> Result<FogVolume, String> {
-    let spacing_m = if text.is_empty() { None } else { Some(number(text)?) };
+    let spacing_m = if text.is_empty() { None } else { Some(plain(text)?) };
     Ok(FogVolume { spacing_m })
 }
 
 /// `x:y:z`.
-fn triple<T: FromStr<Err: Display>>(text: &str) -> Result<[T; 3], String> {
-    let numbers = text.split(':').map(number).collect::<Result<Vec<T>, _>>()?;
+fn triple<T: Plain>(text: &str) -> Result<[T; 3], String> {
+    let numbers = text.split(':').map(plain).collect::<Result<Vec<T>, _>>()?;
     numbers.try_into().map_err(|_| format!("`{text}`: three numbers belong here, divided by `:`"))
 }
 
@@ -200,23 +231,29 @@ pub fn fog(text: &str) -> Result<Vec<Medium>, String> {
         match key {
             "sigma_t" => sigma_t = Some(rgb(value)?),
             "albedo" => albedo = Some(rgb(value)?),
-            "g" => phase = Phase::HenyeyGreenstein(number(value)?),
+            "g" => phase = Phase::HenyeyGreenstein(within("g", [plain(value)?], -0.999..=0.999)?[0]),
             _ => bounds = corners(value)?,
         }
     }
-    let (sigma_t, albedo) = (required(sigma_t, "sigma_t")?, required(albedo, "albedo")?);
-    if albedo.iter().any(|share| !(0.0..=1.0).contains(share)) {
-        return Err(format!("`albedo` is {albedo:?}; allowed is 0 to 1"));
-    }
+    let sigma_t = within("sigma_t", required(sigma_t, "sigma_t")?, 0.0..=1e6)?;
+    let albedo = within("albedo", required(albedo, "albedo")?, 0.0..=1.0)?;
     let s = std::array::from_fn(|channel| sigma_t[channel] * albedo[channel]);
     let a = std::array::from_fn(|channel| sigma_t[channel] * (1.0 - albedo[channel]));
     let scatter = Scatter::Sigma { s, a };
     Ok(vec![Medium { name: "fog".into(), bounds, density: Density::Uniform, scatter, phase }])
 }
 
+/// Values of a key, each within a range.
+fn within<const N: usize>(key: &str, values: [f32; N], allowed: RangeInclusive<f32>) -> Result<[f32; N], String> {
+    match values.iter().find(|value| !allowed.contains(value)) {
+        None => Ok(values),
+        Some(value) => Err(format!("`{key}` is {value}; allowed is {} to {}", allowed.start(), allowed.end())),
+    }
+}
+
 /// `x0:y0:z0:x1:y1:z1`, metres.
 fn corners(text: &str) -> Result<Bounds, String> {
-    let numbers: Vec<f32> = text.split(':').map(number).collect::<Result<_, _>>()?;
+    let numbers: Vec<f32> = text.split(':').map(plain).collect::<Result<_, _>>()?;
     match *numbers {
         [x0, y0, z0, x1, y1, z1] => Ok(Bounds::Box { min: [x0, y0, z0], max: [x1, y1, z1] }),
         _ => Err(format!("`{text}` is no x0:y0:z0:x1:y1:z1")),
@@ -264,7 +301,8 @@ mod tests {
         assert!(sun("azimut_deg=1").unwrap_err().contains("did you mean `azimuth_deg`?"));
         assert!(sun("90").unwrap_err().contains("key=value"));
         assert!(fog("albedo=0.9").unwrap_err().contains("sigma_t"));
-        assert!(fog("sigma_t=1,albedo=2").unwrap_err().contains("0 to 1"));
+        assert!(fog("sigma_t=1,albedo=2").unwrap_err().contains("`albedo` is 2; allowed is 0 to 1"));
+        assert!(fog("sigma_t=1/nan/1,albedo=1").unwrap_err().contains("`sigma_t` is NaN; allowed is 0 to 1000000"));
         assert!(fog("sigma_t=1,albedo=1,bounds=1:2:3").is_err());
         assert!(node("Statue").is_err());
         assert!(ies("Lamp").is_err());

@@ -9,7 +9,7 @@ pub enum FormatError {
     /// The operating system refused.
     #[error("cannot {action} {}: {source}", path.display())]
     Io {
-        /// What was tried: "read", "create", …
+        /// What was tried: "read"; everything else is writing.
         action: &'static str,
         /// The file or folder.
         path: PathBuf,
@@ -21,6 +21,12 @@ pub enum FormatError {
     NoPackage {
         /// The folder looked into.
         folder: PathBuf,
+    },
+    /// A scene was named where a package belongs.
+    #[error("{0} is a scene and no package: bake it with `bake run {0}`, or name the folder that it was baked to, like {1}", scene.display(), scene.with_extension("bake").display())]
+    Scene {
+        /// Its file.
+        scene: PathBuf,
     },
     /// The folder holds a package of another name, or several.
     #[error("{}: the folder holds the package '{found}' already; one package a folder: choose another with -o", folder.display())]

@@ -33,11 +33,13 @@ pub fn write_atomic(path: &Path, write: impl FnOnce(&mut BufWriter<&mut File>) -
 /// # Errors
 /// The folder cannot be written to.
 pub fn scratch(folder: &Path) -> Result<NamedTempFile> {
-    let file = tempfile::Builder::new()
-        .prefix(TEMPORARY.0)
-        .suffix(TEMPORARY.1)
-        .tempfile_in(folder)
-        .map_err(FormatError::io("create a temporary file in", folder))?;
+    temporary(folder).map_err(FormatError::io("write", folder))
+}
+
+fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
+    let file = tempfile::Builder::new().prefix(TEMPORARY.0).suffix(TEMPORARY.1).tempfile_in(folder);
+    // The error in `tempfile`'s words names a file that nobody asked for.
+    let file = file.map_err(|error| io::Error::from(error.kind()))?;
     // Tells living writers from killed ones; where locks are unknown, leftovers stay.
     let _ = file.as_file().try_lock();
     Ok(file)
@@ -49,7 +51,7 @@ fn stage(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<()>,
 ) -> Result<NamedTempFile> {
-    let mut file = scratch(folder)?;
+    let mut file = temporary(folder).map_err(FormatError::io("write", path))?;
     let mut out = BufWriter::new(file.as_file_mut());
     write(&mut out)?;
     out.flush().map_err(FormatError::io("write", path))?;
@@ -59,13 +61,13 @@ fn stage(
 }
 
 fn publish(staged: NamedTempFile, path: &Path) -> Result<()> {
-    set_ordinary_permissions(staged.as_file()).map_err(FormatError::io("set permissions of", path))?;
-    staged.persist(path).map_err(|error| FormatError::io("rename a temporary file to", path)(error.error))?;
+    set_ordinary_permissions(staged.as_file()).map_err(FormatError::io("write", path))?;
+    staged.persist(path).map_err(|error| FormatError::io("write", path)(error.error))?;
     Ok(())
 }
 
 /// Temporary files are private; packages are for everyone to read.
-pub(crate) fn set_ordinary_permissions(file: &File) -> std::io::Result<()> {
+fn set_ordinary_permissions(file: &File) -> std::io::Result<()> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -177,6 +179,9 @@ impl Package {
     /// Opens the package in a folder, or the one whose manifest is named. Every file is hashed: what does not match is
     /// refused as stale.
     pub fn open(place: &Path) -> Result<Self> {
+        if place.is_file() && place.extension().is_some_and(|end| end == "glb" || end == "gltf") {
+            return Err(FormatError::Scene { scene: place.to_owned() });
+        }
         let path = if place.is_dir() { only_manifest(place)? } else { place.to_owned() };
         let bytes = fs::read(&path).map_err(|source| match source.kind() {
             io::ErrorKind::NotFound => FormatError::NoPackage { folder: place.to_owned() },

@@ -14,11 +14,14 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use half::f16;
 use serde::{Deserialize, Serialize};
+
+use crate::error::FormatError;
+use crate::package::write_atomic;
 
 /// Version written, and the only one read.
 pub const VERSION: u32 = 2;
@@ -101,10 +104,8 @@ pub struct TableFile {
 #[derive(Debug, thiserror::Error)]
 pub enum TableFileError {
     /// The operating system refused.
-    #[error("cannot {action} {}: {source}", path.display())]
+    #[error("cannot read {}: {source}", path.display())]
     Io {
-        /// What was tried.
-        action: &'static str,
         /// The file.
         path: PathBuf,
         /// The system's answer.
@@ -193,19 +194,13 @@ impl TableFile {
     }
 
     /// Writes the file: a temporary file beside it, then a rename.
-    pub fn write(&self, path: &Path) -> Result<(), TableFileError> {
-        let io = |source| TableFileError::Io { action: "write", path: path.to_owned(), source };
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut file = tempfile::NamedTempFile::new_in(folder).map_err(io)?;
-        io::Write::write_all(&mut file, &self.to_bytes()).map_err(io)?;
-        crate::package::set_ordinary_permissions(file.as_file()).map_err(io)?;
-        file.persist(path).map_err(|error| io(error.error))?;
-        Ok(())
+    pub fn write(&self, path: &Path) -> Result<(), FormatError> {
+        write_atomic(path, |out| out.write_all(&self.to_bytes()))
     }
 
     /// Reads a file.
     pub fn read(path: &Path) -> Result<Self, TableFileError> {
-        let io = |source| TableFileError::Io { action: "read", path: path.to_owned(), source };
+        let io = |source| TableFileError::Io { path: path.to_owned(), source };
         Self::from_bytes(&fs::read(path).map_err(io)?, &path.display().to_string())
     }
 }

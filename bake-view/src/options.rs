@@ -1,7 +1,7 @@
 //! What a person asks to see, as text and as values.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use bake_formats::Term;
@@ -139,11 +139,13 @@ impl FromStr for AirArgument {
 pub struct CompareArgument(pub Compare);
 
 impl FromStr for CompareArgument {
-    type Err = std::convert::Infallible;
+    type Err = OptionError;
 
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let method = Method::from_name(text).map(Compare::Method);
-        Ok(Self(method.unwrap_or_else(|| Compare::Package(text.into()))))
+    fn from_str(text: &str) -> Result<Self, OptionError> {
+        let expected = "the folder of a package, nor one of none, vacuum, lut, closed_form, quadrature, ray_march";
+        let package = || Path::new(text).exists().then(|| Compare::Package(text.into()));
+        let found = Method::from_name(text).map(Compare::Method).or_else(package);
+        found.map(Self).ok_or_else(|| OptionError { value: text.into(), expected })
     }
 }
 
@@ -241,13 +243,14 @@ mod tests {
         }
         for method in Method::ALL {
             assert_eq!(method.name().parse(), Ok(AirArgument(method)));
+            assert!("fog".parse::<AirArgument>().expect_err("no method").expected.contains(method.name()));
+            assert!("fog".parse::<CompareArgument>().expect_err("no method").expected.contains(method.name()));
         }
         for view in View::ALL {
             assert_eq!(view.name().parse(), Ok(ViewArgument(view)));
             assert!("fog".parse::<ViewArgument>().expect_err("no view").expected.contains(view.name()));
         }
         assert_eq!("lut".parse(), Ok(CompareArgument(Compare::Method(Method::Lut))));
-        assert_eq!("out/b".parse(), Ok(CompareArgument(Compare::Package("out/b".into()))));
-        assert!("fog".parse::<AirArgument>().is_err() && "fog".parse::<ViewArgument>().is_err());
+        assert_eq!("src".parse(), Ok(CompareArgument(Compare::Package("src".into()))));
     }
 }

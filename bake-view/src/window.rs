@@ -107,12 +107,12 @@ impl Desk {
         let attributes = winit::window::Window::default_attributes()
             .with_title(format!("{} - bake", package.manifest.name))
             .with_inner_size(PhysicalSize::new(width, height));
-        let window = events.create_window(attributes).map_err(|e| ViewError::NoDisplay { reason: e.to_string() })?;
+        let window = events.create_window(attributes).map_err(ViewError::no_display)?;
         let window = Arc::new(window);
         let display = Box::new(events.owned_display_handle());
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_with_display_handle_from_env(display));
         let surface = instance.create_surface(window.clone());
-        let surface = surface.map_err(|error| ViewError::NoDisplay { reason: error.to_string() })?;
+        let surface = surface.map_err(ViewError::no_display)?;
         let host = pollster::block_on(Headless::open_on(&instance, Some(&surface)))?;
         let config = configuration(&surface, &host, window.inner_size())?;
         surface.configure(&host.device, &config);

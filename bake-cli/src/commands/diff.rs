@@ -1,14 +1,12 @@
 //! `bake diff`: how far one package is from another.
 
-use super::sample::failure;
 use crate::cli::Global;
 use crate::console;
 use crate::exit::{Failure, Outcome};
+use crate::output;
 use bake_formats::Package;
 use bake_formats::diff::{Comparison, Diff};
 use bake_formats::metrics::Metrics;
-use bake_formats::package::write_atomic;
-use std::io::Write;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -36,14 +34,12 @@ pub struct Args {
 
 /// Compares.
 pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
-    let [bake, truth] = [&args.bake, &args.truth].map(|folder| Package::open(folder).map_err(failure));
-    let comparison = Comparison::open(&bake?, &truth?).map_err(failure)?;
+    let comparison = Comparison::open(&Package::open(&args.bake)?, &Package::open(&args.truth)?)?;
     let diff = comparison.diff(args.subtract_noise);
     if let Some(prefix) = &args.image {
         for page in 0..comparison.pages() {
             let file = PathBuf::from(format!("{}.{page:02}.png", prefix.display()));
-            let png = comparison.false_color(page);
-            write_atomic(&file, |out| out.write_all(&png)).map_err(failure)?;
+            output::write_so(&file, &comparison.false_color(page), "choose another place with `--image`")?;
         }
     }
     if global.json {

@@ -4,7 +4,6 @@
 
 pub mod diff;
 pub mod init;
-pub mod later;
 pub mod plan;
 pub mod reference;
 pub mod refog;

@@ -3,7 +3,7 @@
 use super::run;
 use crate::cli::Global;
 use crate::exit::{Failure, Outcome};
-use crate::flags::RARE;
+use crate::flags::rare;
 use crate::input::{HELP_TEMPLATE, Input};
 use std::path::PathBuf;
 
@@ -11,9 +11,10 @@ const EXAMPLES: &str = "\
 Example, with `bake diff room.bake out/truth` to follow (the settings file's `mode` does not count here):
   bake reference room.glb --quality high -o out/truth";
 
-/// Flags of `bake reference`: those of `bake run`.
+/// Flags of `bake reference`: those of `bake run` that go with walks.
 #[derive(Debug, clap::Args)]
-#[command(allow_negative_numbers = true, help_template = HELP_TEMPLATE, after_help = format!("{EXAMPLES}\n\n{RARE}"))]
+#[command(mut_arg("mode", |mode| mode.hide(true)))]
+#[command(allow_negative_numbers = true, help_template = HELP_TEMPLATE, after_help = format!("{EXAMPLES}\n\n{}", rare(&["--keep-paths"])))]
 pub struct Args {
     /// What to work on.
     #[command(flatten)]

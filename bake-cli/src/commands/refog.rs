@@ -4,6 +4,7 @@
 use super::run::{Solved, publish};
 use crate::cli::Global;
 use crate::exit::{Failure, Outcome};
+use crate::input::check_scene_file;
 use crate::interrupt::Interrupt;
 use crate::job::Job;
 use crate::output::Output;
@@ -126,19 +127,21 @@ impl Args {
 
     /// The scene file.
     fn scene_file(&self, package: &Package) -> Result<PathBuf, Failure> {
+        if let Some(file) = &self.scene_file {
+            check_scene_file(file)?;
+            return Ok(file.clone());
+        }
         let source = &package.manifest.scene;
         let folder = if self.package.is_dir() { self.package.as_path() } else { package_folder(&self.package) };
         // `..` would miss the folder that a relative name like `out` stands in.
         let beside = folder.canonicalize().ok().and_then(|folder| Some(folder.parent()?.join(&source.file)));
-        let places = [self.scene_file.clone(), beside, Some(folder.join(&source.file))];
-        let found = if self.scene_file.is_some() { &places[..1] } else { &places[..] };
-        let Some(file) = found.iter().flatten().find(|file| file.is_file()) else {
-            return Err(Failure::wrong(
+        let places = [beside, Some(folder.join(&source.file))];
+        places.into_iter().flatten().find(|file| file.is_file()).ok_or_else(|| {
+            Failure::wrong(
                 format!("the scene {} that was baked lies neither beside {} nor in it", source.file, folder.display()),
                 "name it with `--scene-file FILE`",
-            ));
-        };
-        Ok(file.clone())
+            )
+        })
     }
 }
 
@@ -160,8 +163,9 @@ fn paths_of(package: &Package) -> Result<String, Failure> {
 
 /// The settings that the package was baked with, but for the air.
 fn settings_of(package: &Package, scene: &Path, media: Vec<Medium>) -> Result<Settings, Failure> {
-    let mut kept: Settings =
-        serde_json::from_value(package.manifest.settings.values.clone()).map_err(Failure::failed)?;
+    let mut kept: Settings = serde_json::from_value(package.manifest.settings.values.clone()).map_err(|error| {
+        Failure::wrong(format!("the package's manifest states no settings of this program: {error}"), "bake again")
+    })?;
     kept.media = None;
     let folder = scene.parent().unwrap_or(Path::new(""));
     fingerprint::find_files(&mut kept, folder).map_err(|missing| {

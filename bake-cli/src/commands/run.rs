@@ -4,7 +4,7 @@ use crate::cli::Global;
 use crate::console;
 use crate::exit::{Failure, Outcome};
 use crate::explain_text;
-use crate::flags::RARE;
+use crate::flags::rare;
 use crate::input::{HELP_TEMPLATE, Input};
 use crate::interrupt::Interrupt;
 use crate::job::{self, Job, stop_if_interrupted};
@@ -34,7 +34,7 @@ Example:
 
 /// Flags of `bake run`.
 #[derive(Debug, clap::Args)]
-#[command(allow_negative_numbers = true, help_template = HELP_TEMPLATE, after_help = format!("{EXAMPLES}\n\n{RARE}"))]
+#[command(allow_negative_numbers = true, help_template = HELP_TEMPLATE, after_help = format!("{EXAMPLES}\n\n{}", rare(&[])))]
 pub struct Args {
     /// What to work on.
     #[command(flatten)]

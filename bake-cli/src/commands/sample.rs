@@ -3,11 +3,11 @@
 use crate::cli::Global;
 use crate::console;
 use crate::exit::{Failure, Outcome};
+use bake_formats::Package;
 use bake_formats::package::write_atomic;
 use bake_formats::sample::{Sampler, sample_csv};
-use bake_formats::{FormatError, Package};
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Example:
@@ -32,8 +32,13 @@ pub struct Args {
 
 /// Samples.
 pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
-    let package = Package::open(&args.package).map_err(failure)?;
-    let sampler = Sampler::open(&package).map_err(failure)?;
+    let real = |path: &Path| path.canonicalize().ok();
+    if args.output.as_deref().is_some_and(|file| real(file).is_some() && real(file) == real(&args.points)) {
+        let text = format!("{} holds the points and is not overwritten", args.points.display());
+        return Err(Failure::wrong(text, "name another file with `-o FILE`"));
+    }
+    let package = Package::open(&args.package)?;
+    let sampler = Sampler::open(&package)?;
     let points = std::fs::read_to_string(&args.points).map_err(|error| {
         let text = format!("cannot read {}: {error}", args.points.display());
         Failure::wrong(text, "name a text file with the columns px,py,pz,nx,ny,nz")
@@ -42,7 +47,7 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
         Failure::wrong(format!("{}: {error}", args.points.display()), "`bake sample --help` shows the columns")
     })?;
     match &args.output {
-        Some(file) => write_atomic(file, |out| out.write_all(light.as_bytes())).map_err(failure)?,
+        Some(file) => write_atomic(file, |out| out.write_all(light.as_bytes()))?,
         None => console::print(&light)?,
     }
     if unanswered > 0 && !global.quiet {
@@ -51,12 +56,4 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
         ));
     }
     Ok(Outcome::Done)
-}
-
-/// The system's refusals are failures, everything else is the package's fault.
-pub(super) fn failure(error: FormatError) -> Failure {
-    match error {
-        FormatError::Io { .. } => Failure::failed(error),
-        _ => Failure::invalid(error),
-    }
 }

@@ -3,7 +3,7 @@
 use crate::cli::Global;
 use crate::console;
 use crate::exit::{Failure, Outcome};
-use crate::flags::RARE;
+use crate::flags::rare;
 use crate::input::{HELP_TEMPLATE, Input};
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
@@ -17,11 +17,18 @@ Example: bake study room.glb --fog sigma_t=0.2,albedo=0.9 -o out, then open out/
 Ctrl-C keeps what was measured; the same command goes on. Samples are the study's own, pages too unless it is thorough.
 --reference-samples N changes its reference, --processor-time tells the processor's seconds on a busy machine.";
 
+const USAGE: &str = "\
+bake study [OPTIONS] <SCENE>
+       bake study --stability [OPTIONS]";
+
+/// Rare flags of a bake that do not count here.
+const UNUSED: [&str; 6] = ["--probes", "--fog-volume", "--keep-vacuum", "--half", "--keep-paths", "--keep-raw"];
+
 /// Flags of `bake study`.
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("file", |file| file.required(false).required_unless_present("stability").default_value_if("stability", "true", "-")))]
-#[command(mut_args(hide_unused))]
-#[command(allow_negative_numbers = true, help_template = HELP_TEMPLATE, after_help = format!("{EXAMPLES}\n\n{RARE}"))]
+#[command(mut_args(hide_unused), override_usage = USAGE)]
+#[command(allow_negative_numbers = true, help_template = HELP_TEMPLATE, after_help = format!("{EXAMPLES}\n\n{}", rare(&UNUSED)))]
 pub struct Args {
     /// What to work on.
     #[command(flatten)]

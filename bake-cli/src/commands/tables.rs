@@ -138,21 +138,15 @@ fn generate(args: &Generate, global: &Global) -> Result<Outcome, Failure> {
     check_folder(&args.output)?;
     let progress = Progress::new(global, Interrupt::default());
     let file = ::tables::generate(&recipe, &reporter(&progress));
-    file.write(&args.output).map_err(Failure::failed)?;
+    file.write(&args.output)?;
     console::print_line(&args.output.display().to_string())?;
     Ok(Outcome::Done)
 }
 
 /// Told before the work, which takes half a minute.
 fn check_folder(file: &Path) -> Result<(), Failure> {
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
-    match folder.filter(|folder| !folder.is_dir()) {
-        Some(folder) => Err(Failure::wrong(
-            format!("cannot write {}: there is no folder {}", file.display(), folder.display()),
-            "make the folder, or choose another place with `-o`",
-        )),
-        None => Ok(()),
-    }
+    let inside = file.with_file_name(".");
+    std::fs::metadata(inside).map(drop).map_err(|error| Failure::unwritable(file, error))
 }
 
 /// Steps of the bar, which has one stage.
@@ -185,9 +179,8 @@ fn inspect(args: &Inspect) -> Result<Outcome, Failure> {
     if let Some(path) = &args.svg {
         let tables = TableSet::from_file(&file).map_err(Failure::invalid)?;
         let svg = drawing::draw(&tables, &args.table);
-        std::fs::write(path, svg).map_err(|error| {
-            Failure::wrong(format!("cannot write {}: {error}", path.display()), "choose another place with `--svg`")
-        })?;
+        std::fs::write(path, svg)
+            .map_err(|error| Failure::unwritable_so(path, error, "choose another place with `--svg`"))?;
     }
     Ok(Outcome::Done)
 }

@@ -3,12 +3,12 @@
 use crate::cli::Global;
 use crate::console;
 use crate::exit::{Failure, Outcome};
-use bake_formats::Package;
-use bake_formats::package::write_atomic;
+use crate::output;
+use bake_formats::{FormatError, Package};
 use bake_view::{
     AirArgument, CameraArgument, CompareArgument, Options, SizeArgument, TermsArgument, ViewArgument, ViewError,
 };
-use std::io::Write;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -31,7 +31,7 @@ pub struct Args {
     /// The package's folder
     pub package: PathBuf,
     /// Write a picture to this PNG file instead of opening a window
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = png_file)]
     pub screenshot: Option<PathBuf>,
     /// Print the shaders that the picture calls for, each with its effects, instead of opening a window
     #[arg(long, conflicts_with = "screenshot")]
@@ -43,7 +43,7 @@ pub struct Args {
     #[arg(long, value_name = "EYE:TARGET", allow_hyphen_values = true)]
     pub camera: Option<CameraArgument>,
     /// Stops brighter (+) or darker (-) than what suits the lightmaps
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_hyphen_values = true)]
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_hyphen_values = true, value_parser = within(-64.0..=64.0))]
     pub exposure: f32,
     /// How light in the air is found: none, vacuum, lut, closed_form, quadrature or ray_march
     #[arg(long, value_name = "METHOD", default_value = "quadrature")]
@@ -52,10 +52,10 @@ pub struct Args {
     #[arg(long, value_name = "DIR|METHOD")]
     pub compare: Option<CompareArgument>,
     /// Instead of two halves their difference in false colours, the strongest at this share of what is shown white
-    #[arg(long, value_name = "SHARE", requires = "compare", num_args = 0..=1, default_missing_value = "0.1")]
+    #[arg(long, value_name = "SHARE", requires = "compare", num_args = 0..=1, require_equals = true, default_missing_value = "0.1", value_parser = within(1e-6..=1e6))]
     pub difference: Option<f32>,
     /// Thin shapes that are placed 32 times or more, from this distance on: half are left at twice as much
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", value_parser = within(0.0..=1e9))]
     pub prune: Option<f32>,
     /// Show only these terms of the light, divided by commas: direct, indirect, single, multiple
     #[arg(long, value_name = "TERMS")]
@@ -70,18 +70,18 @@ pub struct Args {
 
 /// Draws, or opens the window.
 pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
-    let package = Package::open(&args.package).map_err(super::sample::failure)?;
+    let package = Package::open(&args.package)?;
     let options = Options {
         size: args.size.0,
         camera: args.camera.map(|camera| camera.0),
-        exposure_stops: args.exposure.clamp(-64.0, 64.0),
+        exposure_stops: args.exposure,
         air: args.air.0,
         show: args.show.0,
         terms: args.terms.clone().map(|terms| terms.0),
         compare: args.compare.clone().map(|compare| compare.0),
-        prune_start_m: args.prune.map(|start| if start > 0.0 { start } else { f32::MIN_POSITIVE }),
+        prune_start_m: args.prune.map(|start| start.max(f32::MIN_POSITIVE)),
         widgets: args.widgets.clone(),
-        difference: args.difference.map(|share| if share > 0.0 { share.min(1e6) } else { 0.1 }),
+        difference: args.difference,
     };
     if args.list_variants {
         let variants = bake_view::variants(package, &options).map_err(failure)?;
@@ -97,7 +97,7 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
     if !global.quiet {
         picture.notes.iter().for_each(|note| console::tell(note));
     }
-    write_atomic(file, |out| out.write_all(&picture.png))?;
+    output::write_so(file, &picture.png, "choose another place with `--screenshot`")?;
     if global.verbose {
         console::tell(&format!("drawn by {}", picture.adapter));
     }
@@ -106,7 +106,25 @@ pub fn run(args: &Args, global: &Global) -> Result<Outcome, Failure> {
 
 fn failure(error: ViewError) -> Failure {
     match error {
-        ViewError::Package(error) => super::sample::failure(error),
+        // All that the window itself writes by name.
+        ViewError::Package(FormatError::Io { action: "write", path, source }) => {
+            Failure::unwritable_so(&path, source, "choose another place with `--widgets`")
+        }
+        ViewError::Package(error) => error.into(),
         error => Failure::failed(error),
     }
+}
+
+/// A number within a range.
+fn within(allowed: RangeInclusive<f32>) -> impl Fn(&str) -> Result<f32, String> + Clone {
+    let [low, high] = [*allowed.start(), *allowed.end()];
+    let is_allowed = move |number: &f32| (low..=high).contains(number);
+    move |text| text.parse().ok().filter(is_allowed).ok_or_else(|| format!("allowed is {low} to {high}"))
+}
+
+/// The name of a PNG file.
+fn png_file(text: &str) -> Result<PathBuf, String> {
+    let file = PathBuf::from(text);
+    let is_png = file.extension().is_some_and(|end| end.eq_ignore_ascii_case("png"));
+    if is_png { Ok(file) } else { Err("the picture is a PNG file: give it a name that ends in .png".into()) }
 }

@@ -67,9 +67,9 @@ fn the_scenes_extras_are_media_unless_settings_or_flags_say_otherwise() {
 fn wrong_media_are_refused_before_anything_is_baked() {
     let desk = Desk::with_room();
     for (arguments, words) in [
-        ("plan room.glb --fog sigma_t=-1,albedo=1", ["media[\"fog\"].scatter.s", "-1"]),
-        ("plan room.glb --fog sigma_t=1,albedo=2", ["--fog", "0 to 1"]),
-        ("plan room.glb --fog sigma_t=1,albedo=1,g=1", ["media[\"fog\"].phase", "-0.999 to 0.999"]),
+        ("plan room.glb --fog sigma_t=-1,albedo=0.5", ["`sigma_t` is -1", "allowed is 0 to 1000000"]),
+        ("plan room.glb --fog sigma_t=1,albedo=2", ["`albedo` is 2", "allowed is 0 to 1"]),
+        ("plan room.glb --fog sigma_t=1,albedo=1,g=1", ["`g` is 1", "-0.999 to 0.999"]),
         ("plan room.glb --fog sigma_t=1,albedo=1,bounds=0:0:0:0:1:1", ["media[\"fog\"].bounds", "min below max"]),
     ] {
         desk.bake(arguments).expect(2, &words);
@@ -79,6 +79,9 @@ fn wrong_media_are_refused_before_anything_is_baked() {
         "Bake(media: [Medium(name: \"mist\", bounds: Node(\"none\"), scatter: Sigma(s: (1, 1, 1), a: (0, 0, 0)))])",
     );
     desk.bake("plan room.glb").expect(2, &["mist", "no node `none`"]);
+    let flat = Desk::with_scene("plane_point.glb");
+    let refused = flat.bake("plan room.glb --fog sigma_t=1,albedo=1");
+    refused.expect(2, &["\"fog\"", "no volume", "…,bounds=x0:y0:z0:x1:y1:z1"]);
 }
 
 #[test]

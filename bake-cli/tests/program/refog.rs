@@ -52,15 +52,17 @@ fn what_cannot_be_folded_is_refused_with_the_way_out() {
     let paths = desk.path("kept/room.paths.zst");
     let whole = std::fs::read(&paths).expect("readable");
     std::fs::write(&paths, &whole[..whole.len() - 9]).expect("written");
-    desk.bake(&format!("refog kept {fog} -o out")).expect(1, &["room.paths.zst", "stale", "bytes"]);
+    desk.bake(&format!("refog kept {fog} -o out")).expect(2, &["room.paths.zst", "stale", "bytes"]);
     let mut flipped = whole.clone();
     flipped[whole.len() / 2] ^= 1;
     std::fs::write(&paths, &flipped).expect("written");
-    desk.bake(&format!("refog kept {fog} -o out")).expect(1, &["room.paths.zst", "stale", "BLAKE3"]);
+    desk.bake(&format!("refog kept {fog} -o out")).expect(2, &["room.paths.zst", "stale", "BLAKE3"]);
     std::fs::write(&paths, &whole).expect("written");
 
     std::fs::rename(desk.path("room.glb"), desk.path("moved.glb")).expect("moved");
     desk.bake(&format!("refog kept {fog} -o out")).expect(2, &["room.glb", "--scene-file"]);
+    let missing = desk.bake(&format!("refog kept {fog} -o out --scene-file no.glb"));
+    missing.expect(2, &["the scene no.glb does not exist", "moved.glb"]);
     desk.bake(&format!("refog kept {fog} -o out --scene-file moved.glb -q")).expect(0, &[]);
     assert!(!desk.list().contains(&"kept.bake".to_owned()));
 }

@@ -177,7 +177,7 @@ fn probes_fog_cells_and_the_total_without_air_are_written() {
     let small = "--samples 64 --page-size 32 --max-pages 1 --mode walk";
     let fog = "--fog sigma_t=0.5,albedo=0.9";
     let ended = desk.bake(&format!(
-        "run room.glb {small} {fog} --probes spacing_m=0.5,visibility=true --fog-volume 1 --keep-vacuum -o fog"
+        "run room.glb {small} {fog} --probes spacing_m=0.5,visibility=true --fog-volume=1 --keep-vacuum -o fog"
     ));
     ended.expect(0, &[]);
     assert!(ended.out.contains("probes") && ended.out.contains("64 samples each"), "{}", ended.out);
@@ -233,7 +233,8 @@ fn probes_fog_cells_and_the_total_without_air_are_written() {
 fn an_output_that_cannot_be_written_is_told_before_tracing() {
     let desk = Desk::with_room();
     let long = "--samples 1000000";
-    desk.bake(&format!("run room.glb {long} -o room.glb")).expect(1, &["cannot write", "room.glb", "-o"]);
+    desk.bake(&format!("run room.glb {long} -o room.glb"))
+        .expect(1, &["cannot write room.glb: a file stands where a folder", "-o"]);
     desk.bake(&format!("run room.glb {long} -o room.glb/deep/er")).expect(1, &["cannot write", "-o"]);
     assert_eq!(desk.list(), ["room.glb"]);
 }

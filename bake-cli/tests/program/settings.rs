@@ -24,6 +24,10 @@ fn unknown_keys_are_refused_with_position_and_suggestion() {
     desk.bake("run room.glb").expect(2, &["room.bake.ron:2:5", "`texel_per_m`", "did you mean `texels_per_m`?"]);
     desk.write("room.bake.ron", "Bake(\n    quality: Finel,\n)");
     desk.bake("plan room.glb").expect(2, &["room.bake.ron:2:", "`Finel`", "did you mean `Final`?"]);
+    desk.write("room.bake.ron", "Bake(samples: \"x\")");
+    desk.bake("plan room.glb").expect(2, &["room.bake.ron:1:14", "a whole number belongs here", "bake init SCENE"]);
+    desk.write("room.bake.ron", "");
+    desk.bake("plan room.glb").expect(2, &["room.bake.ron:1:1", "a record belongs here", "like `Bake(key: value, …)`"]);
     desk.write("room.bake.ron", [0xff, 0xfe, 0x00]);
     desk.bake("run room.glb").expect(2, &["room.bake.ron", "utf-8"]);
 }

@@ -39,7 +39,12 @@ fn effects_are_left_out_one_by_one_and_their_bounds_told() {
 #[test]
 fn a_scene_is_needed_unless_numbers_are_asked_for() {
     let desk = Desk::with_room();
-    desk.bake("study").expect(2, &["<SCENE>"]);
+    desk.bake("study").expect(2, &["<SCENE>", "bake study [OPTIONS] <SCENE>"]);
+    let help = desk.bake("study --help").out;
+    assert!(help.contains("bake study --stability"), "{help}");
+    for unused in ["--keep-paths", "--half", "--probes", "--keep-raw"] {
+        assert!(!help.contains(unused), "{unused}: {help}");
+    }
     desk.bake("study nope.glb").expect(2, &["nope.glb does not exist"]);
     std::fs::create_dir(desk.path("out")).expect("created");
     desk.write("out/points.csv", "a,b\n1,2\n");

@@ -97,5 +97,8 @@ fn recipes_that_cannot_be_are_refused_before_any_work() {
         desk.bake(&format!("tables generate {flags}")).expect(2, &words);
     }
     assert!(desk.list().is_empty(), "nothing is written");
-    desk.bake(&format!("{SMALL} -o no/folder.tables")).expect(2, &["cannot write", "there is no folder"]);
+    desk.bake(&format!("{SMALL} -o no/folder.tables"))
+        .expect(1, &["cannot write no/folder.tables: its folder does not exist", "-o"]);
+    let drawn = desk.bake("tables inspect --svg no/p.svg");
+    drawn.expect(1, &["cannot write no/p.svg: its folder does not exist", "`--svg`"]);
 }

@@ -15,6 +15,8 @@ fn a_baked_room_is_drawn_and_the_picture_repeats() {
         return testkit::reference::skip("no graphics adapter");
     }
     ended.expect(0, &[]);
+    let nowhere = desk.bake("view room.bake --screenshot no/where.png --size 8x8");
+    nowhere.expect(1, &["cannot write no/where.png: its folder does not exist", "make the folder", "`--screenshot`"]);
     desk.bake(&format!("view room.bake --screenshot b.png --size 96x64 {CAMERA}")).expect(0, &[]);
     desk.bake(&format!("view room.bake --screenshot dark.png --exposure -3 --size 96x64 {CAMERA}")).expect(0, &[]);
     let views = [
@@ -129,7 +131,7 @@ fn fog_in_shadow_glows_with_a_fog_volume_and_is_black_without() {
     // A metre up and down at the lamp's cone, nothing behind it but the night.
     let camera = "--camera 0,1,6:0,1,0:20 --exposure 2";
     let mut shades = Vec::new();
-    for (name, flags) in [("dark", ""), ("lit", "--fog-volume 0.5")] {
+    for (name, flags) in [("dark", ""), ("lit", "--fog-volume=0.5")] {
         let fog = "--fog sigma_t=0.5,albedo=0.9,bounds=-1:0:-1:1:2:1";
         let run = format!("-q run stage.gltf --quality preview --texels-per-m 8 --samples 64 {fog} {flags} -o {name}");
         let baked = desk.bake(&run);
@@ -199,6 +201,13 @@ fn a_machine_without_any_adapter_is_told_what_to_install() {
     let ended = Ended::from(command.output().expect("the program starts"));
     ended.expect(1, &["no graphics adapter", "libvulkan1"]);
     assert!(!desk.path("a.png").exists());
+    let mut command = desk.command("view room.bake");
+    command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+    let ended = Ended::from(command.output().expect("the program starts"));
+    if cfg!(target_os = "linux") {
+        ended.expect(1, &["no display for a window: neither WAYLAND_DISPLAY", "`--screenshot FILE`"]);
+        assert!(!ended.err.contains(".rs"), "{}", ended.err);
+    }
 }
 
 #[test]
@@ -210,6 +219,18 @@ fn nonsense_is_refused_with_the_form_that_is_meant() {
         ("view room.bake --screenshot a.png --terms direct,fog", 2, ["'direct,fog'", "direct, indirect"]),
         ("view room.bake --screenshot a.png --air fog", 2, ["'fog'", "quadrature"]),
         ("view room.bake --screenshot a.png --size 640", 2, ["'640'", "1280x720"]),
+        ("view room.bake --screenshot a.png --exposure nan", 2, ["'nan'", "-64 to 64"]),
+        ("view room.bake --screenshot a.png --exposure inf", 2, ["'inf'", "-64 to 64"]),
+        ("view room.bake --screenshot a.png --compare lut --difference=nan", 2, ["'nan'", "0.000001 to 1000000"]),
+        ("view room.bake --screenshot a.png --compare lut --difference=-1", 2, ["'-1'", "0.000001 to 1000000"]),
+        ("view --compare lut --difference nowhere", 2, ["nowhere", "no bake package here"]),
+        ("view room.bake --screenshot a.png --prune nan", 2, ["'nan'", "0 to 1000000000"]),
+        ("view room.bake --screenshot a.jpg", 2, ["'a.jpg'", "ends in .png"]),
+        (
+            "view room.bake --screenshot a.png --compare zzz",
+            2,
+            ["'zzz'", "folder of a package, nor one of none, vacuum"],
+        ),
     ] {
         desk.bake(arguments).expect(code, &words);
     }

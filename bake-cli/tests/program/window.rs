@@ -104,7 +104,7 @@ fn two_sides_stand_beside_each_other_the_divider_moves_and_their_difference_has_
     let size = [320, 200];
     let airless = picture(&desk, size, &format!("{CAMERA} --air none"));
     let both = picture(&desk, size, &format!("{CAMERA} --compare none"));
-    let difference = picture(&desk, size, &format!("{CAMERA} --compare none --difference 0.1"));
+    let difference = picture(&desk, size, &format!("{CAMERA} --compare none --difference=0.1"));
     assert!(airless.distance(&both) > OTHER && difference.distance(&both) > OTHER);
 
     let mut window = display.open(desk.command(&format!("view room.bake --size 320x200 --compare none {CAMERA}")));

@@ -16,7 +16,7 @@ pub enum AirError {
     #[error(transparent)]
     Settings(#[from] SettingsError),
     /// A box without content.
-    #[error("medium \"{medium}\": its bounds are the scene's box, which has no volume: {} by {} by {} m; give it `bounds: Box(min: …, max: …)`", size.x, size.y, size.z)]
+    #[error("medium \"{medium}\": its bounds are the scene's box, which has no volume: {} by {} by {} m; give it `bounds: Box(min: …, max: …)`, as a flag `--fog …,bounds=x0:y0:z0:x1:y1:z1`", size.x, size.y, size.z)]
     FlatScene {
         /// Name.
         medium: String,

@@ -80,7 +80,7 @@ impl Settings {
         if let Unlit::Emit(radiance) = self.unlit {
             range("unlit", radiance, 0.0..=1e9)?;
         }
-        range("light_scale", self.light_scale, 0.0..=1e9)?;
+        range("light_scale", self.light_scale, 1e-9..=1e9)?;
         range("light_radius_m", self.light_radius_m, 1e-6..=10.0)
     }
 }
@@ -247,6 +247,7 @@ mod tests {
             ("Bake(sky: (1, -1, 1))", "`sky` is -1"),
             ("Bake(sky: (1, 1, 1), env: Env(file: \"a.hdr\"))", "one of the two"),
             ("Bake(sun: Sun(azimuth_deg: 0, elevation_deg: 91, lux: 1))", "`sun.elevation_deg` is 91"),
+            ("Bake(light_scale: 0)", "allowed is 0.000000001 to 1000000000"),
             ("Bake(unlit: Emit(-1))", "`unlit` is -1"),
             ("Bake(keep_paths: true, mode: Walk)", "Tables or Auto"),
             ("Bake(keep_paths: true, sh1: true)", "one of the two"),

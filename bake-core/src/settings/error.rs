@@ -92,6 +92,8 @@ fn byte_of(text: &str, line: usize, column: usize) -> usize {
 
 /// The fault in our words, and the way out.
 fn explain(error: &RonError) -> (String, Option<String>) {
+    let init = "`bake init SCENE` writes a file that shows every key with its form";
+    let belongs = |what: &str, example: &str| (format!("{what} belongs here"), Some(format!("like {example}; {init}")));
     match error {
         RonError::NoSuchStructField { expected, found, .. } => {
             (format!("unknown key `{found}`"), Some(suggest(found, expected)))
@@ -101,13 +103,20 @@ fn explain(error: &RonError) -> (String, Option<String>) {
         }
         RonError::MissingStructField { field, outer } => {
             let place = outer.as_deref().map(|outer| format!(" in `{outer}(…)`")).unwrap_or_default();
-            (format!("the key `{field}` is missing{place}"), None)
+            (format!("the key `{field}` is missing{place}"), Some(init.into()))
         }
         RonError::ExpectedDifferentStructName { expected, found } => {
-            (format!("found `{found}` where `{expected}(…)` belongs"), None)
+            (format!("found `{found}` where `{expected}(…)` belongs"), Some(init.into()))
+        }
+        RonError::ExpectedInteger => belongs("a whole number", "16"),
+        RonError::ExpectedFloat => belongs("a number", "0.5"),
+        RonError::ExpectedBoolean => belongs("true or false", "true"),
+        RonError::ExpectedString => belongs("text", "\"lamp.ies\""),
+        RonError::ExpectedNamedStructLike(name) if !name.is_empty() => {
+            belongs("a record", &format!("`{name}(key: value, …)`"))
         }
         RonError::Eof => ("the file ends too early".into(), Some("a settings file reads `Bake(key: value, …)`".into())),
-        other => (other.to_string(), None),
+        other => (other.to_string(), Some(init.into())),
     }
 }
 
