@@ -17,7 +17,7 @@ table{border-collapse:collapse;margin:.5rem 0 1rem}td,th{text-align:left;padding
 pre{white-space:pre-wrap}figure{display:inline-block;margin:0 1rem 1rem 0;vertical-align:top;font-size:12px;max-width:400px}\
 figure img{image-rendering:pixelated;width:190px;background:#000}details{margin:.5rem 0 2rem}summary{cursor:pointer}\
 @media (prefers-color-scheme:dark){:root{--bad:#ff7b6b}body{background:#181818;color:#ddd}}\
-@media print{body{max-width:none;background:#fff;color:#000}section,figure,tr{break-inside:avoid}\
+@media print{body{max-width:none;background:#fff;color:#000}section,figure,tr{break-inside:avoid}figure img{width:145px}\
 details::details-content{content-visibility:visible;display:block}}";
 
 /// How to read [`crate::reach::Reach`].

@@ -147,7 +147,8 @@ impl Summary {
         let mut text = String::new();
         let mut line = |name: &str, value: String| writeln!(text, "{name:<10} {value}").expect("a string takes text");
         let Reference { samples, seconds, error, mean_error } = self.reference;
-        line("scene", format!("{}, {} texels on {} pages", self.scene, self.texels, self.pages.len()));
+        let plural = if self.pages.len() == 1 { "" } else { "s" };
+        line("scene", format!("{}, {} texels on {} page{plural}", self.scene, self.texels, self.pages.len()));
         line("times", format!("{} seconds on {}, {} threads", self.clock, self.processor, self.threads));
         self.air.iter().for_each(|air| line("air", air.clone()));
         line(
