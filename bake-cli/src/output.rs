@@ -87,7 +87,12 @@ impl Output {
         let Pages { finished, reports, raw, vacuum, probes, fog_volume } = pages;
         let (scene, air, atlas) = (&job.scene, &job.air, &job.atlas);
         let bake = Bake { scene, air, atlas, pages: finished, reports, raw, vacuum, probes, fog_volume };
-        let path = core_package::write_with(&self.folder, bake, &record(scene_file, job, plan)?, paths)?;
+        let path = core_package::write_with(&self.folder, bake, &record(scene_file, job, plan)?, paths);
+        let path = path.map_err(|error| match error {
+            FormatError::Io { .. } | FormatError::FolderTaken { .. } => Failure::from(error),
+            // What we were about to write is our own fault, not the input's.
+            other => Failure::failed(other),
+        })?;
         self.made.0.clear();
         Ok(path)
     }
